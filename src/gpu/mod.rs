@@ -1,0 +1,1 @@
+//! Adapter choice, limits, kernels, read-back, timing; knows nothing of slicing.

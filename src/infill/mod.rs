@@ -1,0 +1,23 @@
+//! Skins and infill patterns.
+
+use crate::lattice::Point2;
+
+/// What an infill line is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum FillKind {
+    /// Sparse infill.
+    Sparse,
+    /// Solid infill below a top or above a bottom surface.
+    Solid,
+    /// The topmost solid layer.
+    TopSolid,
+}
+
+/// An open polyline to be extruded \[nm\]; at least two points.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FillPath {
+    /// Centre line.
+    pub points: Vec<Point2>,
+    /// What it is for.
+    pub kind: FillKind,
+}

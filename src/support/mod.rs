@@ -1,0 +1,1 @@
+//! Overhangs, supports and adhesion.
