@@ -16,6 +16,7 @@ pub mod job;
 pub mod lattice;
 pub mod mesh;
 pub mod path;
+pub mod picture;
 pub mod region;
 pub mod settings;
 pub mod slice;

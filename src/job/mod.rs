@@ -1,1 +1,3 @@
 //! Where the stages are chained.
+
+pub mod output;
