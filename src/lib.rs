@@ -6,19 +6,19 @@
 //! Modules are listed from the cellar up; each uses only those above it in this list. See
 //! `docs/ARCHITECTURE.md`.
 
-pub mod cli;
-pub mod contour;
-pub mod gcode;
+pub mod lattice;
+pub mod settings;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-pub mod infill;
-pub mod job;
-pub mod lattice;
 pub mod mesh;
-pub mod path;
-pub mod picture;
-pub mod region;
-pub mod settings;
 pub mod slice;
 pub mod span;
+pub mod contour;
+pub mod region;
+pub mod infill;
 pub mod support;
+pub mod path;
+pub mod gcode;
+pub mod picture;
+pub mod job;
+pub mod cli;
