@@ -1,3 +1,5 @@
+//! The `microtome` command: arguments in, exit code out.
+
 fn main() -> std::process::ExitCode {
-    std::process::ExitCode::SUCCESS
+    microtome::cli::main()
 }

@@ -1,0 +1,50 @@
+//! Exit codes: what a script can tell from them.
+
+use crate::job::JobError;
+use std::process::ExitCode;
+use thiserror::Error;
+
+/// Printed under `microtome --help`.
+pub const EXIT_CODES: &str = "Exit codes:
+  0  done; the output is complete
+  1  a defect of microtome itself; no output was written
+  2  the command line was not understood
+  3  the model cannot be read, sliced or placed
+  4  a setting or a G-code template is wrong
+  5  the GPU asked for is missing or failed
+  6  the output cannot be written
+A message on stderr names the file, the place and the remedy. With any code but 0 the output file is as it was before.";
+
+/// Why a command ended early.
+#[derive(Debug, Error)]
+pub enum CliError {
+    /// The command line was not understood.
+    #[error("{0}")]
+    Usage(String),
+    /// A job failed.
+    #[error(transparent)]
+    Job(#[from] JobError),
+    /// Standard output could not be written.
+    #[error("cannot write to standard output: {0}")]
+    Stdout(#[from] std::io::Error),
+}
+
+impl CliError {
+    /// The exit code of this failure; 0 where only the reader of a pipe has gone.
+    pub fn code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Usage(_) => 2,
+            Self::Stdout(e) if e.kind() == std::io::ErrorKind::BrokenPipe => 0,
+            Self::Stdout(_) => 6,
+            Self::Job(e) => match e {
+                JobError::Mesh(_) | JobError::Place(_) | JobError::Planes(_) | JobError::Empty { .. } => 3,
+                JobError::Settings(_) | JobError::Template(_) => 4,
+                #[cfg(feature = "gpu")]
+                JobError::Device(_) => 5,
+                JobError::NoGpuSupport => 5,
+                JobError::Output(e) if e.is_broken_pipe() => 0,
+                JobError::Output(_) => 6,
+            },
+        })
+    }
+}

@@ -1,0 +1,15 @@
+//! What a running job tells its caller.
+
+/// Receives news of a running job. All methods may be called from any thread.
+pub trait Progress: Sync {
+    /// A stage begins.
+    fn stage(&self, name: &'static str);
+}
+
+/// Says nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn stage(&self, _name: &'static str) {}
+}
