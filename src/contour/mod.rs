@@ -1,5 +1,7 @@
 //! Segments → closed loops, nesting, simplification.
 
+pub mod nest;
+
 use crate::lattice::Point2;
 
 /// A closed polygon \[nm\]; the last point joins the first and is not repeated. Solid on the left:

@@ -1,5 +1,10 @@
 //! Loops → areas: booleans, offsets, perimeters.
 
+pub mod areas;
+pub mod boolean;
+pub mod offset;
+pub mod perimeters;
+
 use crate::contour::{ExPolygon, Ring};
 
 /// One connected area of a layer with what is printed in it, inside its outline.

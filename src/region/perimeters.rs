@@ -1,0 +1,162 @@
+//! Walls: how many, where, and what they leave for infill.
+
+use super::boolean;
+use super::offset::{self, Join};
+use super::{Island, Wall};
+use crate::contour::ExPolygon;
+use crate::lattice;
+use crate::settings::Settings;
+use crate::settings::flow::{Flow, FlowRole};
+
+/// Where the walls of a layer lie, all in \[nm\].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WallPlan {
+    /// Number of walls.
+    pub count: u32,
+    /// Width of the external wall.
+    pub external_width: i64,
+    /// Spacing of the external wall to one like it.
+    pub external_spacing: i64,
+    /// Spacing of inner walls.
+    pub perimeter_spacing: i64,
+    /// Spacing of solid infill lines.
+    pub solid_spacing: i64,
+    /// Width of solid infill lines.
+    pub solid_width: i64,
+    /// How far infill reaches into the innermost wall.
+    pub infill_overlap: i64,
+}
+
+/// Two walls overlap by no more than this share of their spacing; where they would, the inner one is
+/// left out.
+const OVERLAP_TOLERANCE: f64 = 0.4;
+
+/// Infill lines end this share of their spacing short of the overlap, since their round ends reach
+/// further.
+const END_ALLOWANCE: f64 = 0.05;
+
+impl WallPlan {
+    /// The plan for a layer of `height_mm` \[mm\].
+    pub fn new(settings: &Settings, height_mm: f64, first_layer: bool) -> Self {
+        let flow = |role| Flow::new(role, height_mm, first_layer, settings);
+        let external = flow(FlowRole::ExternalPerimeter);
+        let (inner, solid) = (flow(FlowRole::Perimeter), flow(FlowRole::SolidInfill));
+        let count = settings.perimeters.perimeters;
+        let innermost = if count == 1 { external } else { inner };
+        let base = 0.5 * (innermost.spacing() + solid.spacing());
+        Self {
+            count,
+            external_width: external.width_nm(),
+            external_spacing: external.spacing_nm(),
+            perimeter_spacing: inner.spacing_nm(),
+            solid_spacing: solid.spacing_nm(),
+            solid_width: solid.width_nm(),
+            infill_overlap: lattice::nm(settings.infill.infill_overlap.of(base)),
+        }
+    }
+
+    /// How far the centre line of the wall at `depth` lies inside that of the wall before it, or inside
+    /// the outline for the first; and the spacing that it needs to the wall across the room.
+    fn step(&self, depth: u32) -> (i64, i64) {
+        match depth {
+            0 => (self.external_width / 2, self.external_spacing),
+            1 => ((self.external_spacing + self.perimeter_spacing) / 2, self.perimeter_spacing),
+            _ => (self.perimeter_spacing, self.perimeter_spacing),
+        }
+    }
+
+    /// How far infill lines end inside the centre line of the innermost wall, or inside the outline when
+    /// there are no walls. Negative when the overlap is more than half a wall.
+    pub fn infill_inset(&self) -> i64 {
+        let half = match self.count {
+            0 => return self.solid_width / 2,
+            1 => self.external_spacing / 2,
+            _ => self.perimeter_spacing / 2,
+        };
+        half - self.infill_overlap + (END_ALLOWANCE * self.solid_spacing as f64) as i64
+    }
+}
+
+/// Walls and infill border of a layer's areas, as PrusaSlicer spaces them. One island per area, in the
+/// same order.
+///
+/// The external wall's centre line runs half its width inside the outline, the others a spacing further
+/// in each. A wall is left out where it would come nearer than 0.6 spacings to itself. An area that
+/// falls apart on the way inwards stays one island.
+pub fn walls(areas: Vec<ExPolygon>, plan: &WallPlan) -> Vec<Island> {
+    areas.into_iter().map(|outline| island(outline, plan)).collect()
+}
+
+fn island(outline: ExPolygon, plan: &WallPlan) -> Island {
+    let mut walls = Vec::new();
+    let mut inner = vec![outline.clone()];
+    for depth in 0..plan.count {
+        let (distance, spacing) = plan.step(depth);
+        inner = opened_inset(&inner, distance, (0.5 * (1.0 - OVERLAP_TOLERANCE) * spacing as f64) as i64);
+        if inner.is_empty() {
+            break;
+        }
+        for polygon in &inner {
+            let wall = |hole: bool| move |ring: &Vec<_>| Wall { ring: ring.clone(), depth, hole };
+            walls.extend(std::iter::once(&polygon.contour).map(wall(false)));
+            walls.extend(polygon.holes.iter().map(wall(true)));
+        }
+    }
+    let infill = offset::inset(&inner, plan.infill_inset());
+    Island { outline, walls, infill }
+}
+
+/// The inset by `distance`, without the parts narrower than twice `radius`.
+fn opened_inset(polygons: &[ExPolygon], distance: i64, radius: i64) -> Vec<ExPolygon> {
+    let core = offset::inset(polygons, distance + radius);
+    let grown = offset::outset(&core, radius, Join::Miter);
+    // Mitred corners may grow past the plain inset, which is the nearest a wall may come.
+    boolean::intersection(&grown, &offset::inset(polygons, distance))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contour::Ring;
+    use crate::lattice::Point2;
+
+    fn rectangle(x0: i32, y0: i32, x1: i32, y1: i32) -> Ring {
+        [(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(|(x, y)| Point2::new(x, y)).to_vec()
+    }
+
+    fn plan(count: u32) -> WallPlan {
+        WallPlan {
+            count,
+            external_width: 450_000,
+            external_spacing: 400_000,
+            perimeter_spacing: 420_000,
+            solid_spacing: 400_000,
+            solid_width: 440_000,
+            infill_overlap: 100_000,
+        }
+    }
+
+    #[test]
+    fn the_walls_of_a_square_lie_where_the_plan_says() {
+        let square = ExPolygon { contour: rectangle(0, 0, 10_000_000, 10_000_000), holes: vec![] };
+        let islands = walls(vec![square], &plan(3));
+        assert_eq!(islands.len(), 1);
+        let at = |d: i32| rectangle(d, d, 10_000_000 - d, 10_000_000 - d);
+        for (wall, (depth, d)) in islands[0].walls.iter().zip([(0, 225_000), (1, 635_000), (2, 1_055_000)]) {
+            assert_eq!(*wall, Wall { ring: at(d), depth, hole: false });
+        }
+        // Half a spacing less the overlap, plus 5 % of an infill line's spacing.
+        assert_eq!(islands[0].infill[0].contour, at(1_055_000 + 210_000 - 100_000 + 20_000));
+    }
+
+    #[test]
+    fn a_wall_needs_six_tenths_of_its_spacing() {
+        let strip = |w: i32| vec![ExPolygon { contour: rectangle(0, 0, 10_000_000, w), holes: vec![] }];
+        // External: width 0.45 + 0.6 * 0.4 for the two centre lines to be 0.24 apart.
+        assert_eq!(walls(strip(680_000), &plan(2))[0].walls.len(), 0);
+        assert_eq!(walls(strip(700_000), &plan(2))[0].walls.len(), 1);
+        // Second: another 2 * 0.41 for the way and 0.6 * 0.42 for the room, less what the first needs.
+        assert_eq!(walls(strip(1_500_000), &plan(2))[0].walls.len(), 1);
+        assert_eq!(walls(strip(1_540_000), &plan(2))[0].walls.len(), 2);
+    }
+}
