@@ -1,5 +1,14 @@
 //! Skins and infill patterns.
 
+mod border;
+mod layer;
+pub mod plan;
+mod rectilinear;
+mod skin;
+
+pub use layer::{FillLayer, fill};
+pub use plan::FillPlan;
+
 use crate::lattice::Point2;
 
 /// What an infill line is for.
@@ -21,3 +30,6 @@ pub struct FillPath {
     /// What it is for.
     pub kind: FillKind,
 }
+
+#[cfg(test)]
+mod tests;

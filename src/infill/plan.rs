@@ -1,0 +1,92 @@
+//! Settings and flows → what the infill stage needs, in nanometres.
+
+use super::FillKind;
+use crate::lattice::nm;
+use crate::settings::flow::{Flow, FlowRole};
+use crate::settings::{FillPattern, Settings};
+use crate::span::RowFrame;
+
+/// How to fill the layers of one object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FillPlan {
+    /// Share of the volume filled by sparse infill, 0..=1.
+    pub density: f64,
+    /// Direction of the lines on even layers \[degrees\]; odd layers are turned by 90.
+    pub angle: f64,
+    /// Per [`FillKind`]: the lines turn from layer to layer.
+    pub turned: [bool; 3],
+    /// Line spacing per [`FillKind`] on the first layer \[nm\], the sparse one at full density.
+    pub first_spacing: [f64; 3],
+    /// The same on all other layers \[nm\].
+    pub spacing: [f64; 3],
+    /// Solid layers under a top surface.
+    pub top_layers: u32,
+    /// Solid layers over a bottom surface.
+    pub bottom_layers: u32,
+    /// Least thickness of the top shell \[nm\].
+    pub top_thickness: i64,
+    /// Least thickness of the bottom shell \[nm\].
+    pub bottom_thickness: i64,
+    /// Sparse areas smaller than this become solid \[mm²\].
+    pub solid_below_area: f64,
+    /// Every N-th layer is solid; 0 = never.
+    pub solid_every: u32,
+}
+
+impl FillPlan {
+    /// The plan of a filament job.
+    ///
+    /// `Monotonic` is laid like `Rectilinear`: all solid lines of a region are laid in one sweep
+    /// whatever the pattern. The pattern of solid infill inside follows `bottom_fill_pattern`.
+    pub fn new(settings: &Settings) -> Self {
+        let i = &settings.infill;
+        let spacing = |first: bool| {
+            let layer = settings.slicing.layer_height;
+            let height = if first { settings.slicing.first_layer_height.of(layer) } else { layer };
+            [FlowRole::Infill, FlowRole::SolidInfill, FlowRole::TopSolidInfill]
+                .map(|role| Flow::new(role, height, first, settings).spacing_nm() as f64)
+        };
+        let turns = |p: FillPattern| p != FillPattern::AlignedRectilinear;
+        Self {
+            density: (i.fill_density / 100.0).clamp(0.0, 1.0),
+            angle: i.fill_angle,
+            turned: [i.fill_pattern, i.bottom_fill_pattern, i.top_fill_pattern].map(turns),
+            first_spacing: spacing(true),
+            spacing: spacing(false),
+            top_layers: i.top_solid_layers,
+            bottom_layers: i.bottom_solid_layers,
+            top_thickness: nm(i.top_solid_min_thickness),
+            bottom_thickness: nm(i.bottom_solid_min_thickness),
+            solid_below_area: i.solid_infill_below_area,
+            solid_every: i.solid_infill_every_layers,
+        }
+    }
+
+    /// True when a kind's lines are turned by 90 degrees on layer `i`.
+    pub(super) fn is_turned(&self, kind: FillKind, i: usize) -> bool {
+        i % 2 == 1 && self.turned[kind as usize]
+    }
+
+    /// The rows on which areas are compared: the solid lines' own, the same on all layers.
+    pub(super) fn area_frame(&self, turned: bool) -> RowFrame {
+        self.frame(turned, self.spacing[FillKind::Solid as usize])
+    }
+
+    /// The rows on which the lines of a kind lie on layer `i`.
+    pub(super) fn line_frame(&self, kind: FillKind, i: usize) -> RowFrame {
+        self.frame(self.is_turned(kind, i), self.pitch(kind, i))
+    }
+
+    /// Distance between the lines of a kind on layer `i` \[nm\].
+    pub(super) fn pitch(&self, kind: FillKind, i: usize) -> f64 {
+        let spacing = if i == 0 { self.first_spacing } else { self.spacing }[kind as usize];
+        match kind {
+            FillKind::Sparse => spacing / self.density,
+            _ => spacing,
+        }
+    }
+
+    fn frame(&self, turned: bool, pitch: f64) -> RowFrame {
+        RowFrame::new(self.angle + if turned { 90.0 } else { 0.0 }, 0.0, pitch)
+    }
+}
