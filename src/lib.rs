@@ -18,6 +18,7 @@ pub mod mesh;
 pub mod path;
 pub mod region;
 pub mod settings;
+pub mod shaders;
 pub mod slice;
 pub mod span;
 pub mod support;
