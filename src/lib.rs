@@ -8,6 +8,7 @@
 
 pub mod lattice;
 pub mod settings;
+pub mod shaders;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod mesh;

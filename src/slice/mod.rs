@@ -8,6 +8,8 @@
 pub mod chunk;
 pub mod cpu;
 pub mod crossing;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod planes;
 
 use crate::lattice::Point2;

@@ -1,0 +1,42 @@
+// Per triangle the first plane that it meets and how many it meets.
+// Twin: slice::cpu::count.
+
+@group(0) @binding(4) var<storage, read_write> first: array<u32>;
+@group(0) @binding(5) var<storage, read_write> count: array<u32>;
+
+// How many planes lie at or below a height: binary search.
+fn planes_up_to(z: i32) -> u32 {
+    var low = 0u;
+    var high = sizes.planes;
+    while low < high {
+        let middle = low + ((high - low) >> 1u);
+        if planes[middle] <= z {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+fn height(corner: u32) -> i32 {
+    return vertices[3u * triangles[corner] + 2u];
+}
+
+@compute @workgroup_size(256)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let t = item_index(group, groups, lane);
+    if t >= sizes.triangles {
+        return;
+    }
+    let a = height(3u * t);
+    let b = height(3u * t + 1u);
+    let c = height(3u * t + 2u);
+    let begin = planes_up_to(min(a, min(b, c)));
+    first[t] = begin;
+    count[t] = planes_up_to(max(a, max(b, c))) - begin;
+}

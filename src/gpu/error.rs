@@ -1,0 +1,84 @@
+//! What can go wrong with a device, one line each.
+
+use thiserror::Error;
+
+/// A failure of a device or of its use.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum GpuError {
+    /// No adapter is a hardware GPU, so automatic choice takes none.
+    #[error("no hardware GPU found (present: {present}); use --backend cpu, or name a device with --adapter")]
+    NoHardware {
+        /// Names of all adapters, or "none".
+        present: String,
+    },
+    /// No adapter has the name asked for.
+    #[error("no GPU has '{wanted}' in its name (present: {present})")]
+    NoSuchAdapter {
+        /// The part of a name that was asked for.
+        wanted: String,
+        /// Names of all adapters, or "none".
+        present: String,
+    },
+    /// The adapter offers less than the kernels need.
+    #[error("{adapter}: {limit} is {has}, the kernels need {needs}; use --backend cpu")]
+    Unsuitable {
+        /// The adapter's name.
+        adapter: String,
+        /// The limit that is too low.
+        limit: &'static str,
+        /// What the adapter has.
+        has: u64,
+        /// What the kernels need.
+        needs: u64,
+    },
+    /// The driver refused to open the device.
+    #[error("{adapter}: cannot open the device: {reason}")]
+    Open {
+        /// The adapter's name.
+        adapter: String,
+        /// The driver's words.
+        reason: String,
+    },
+    /// Something is larger than the device takes; checked before anything is allocated.
+    #[error("{what} needs {needs} of {unit}, the device takes {limit}; use --backend cpu or smaller chunks")]
+    TooLarge {
+        /// What is too large.
+        what: &'static str,
+        /// In what it is counted.
+        unit: &'static str,
+        /// What it needs.
+        needs: u64,
+        /// What the device takes.
+        limit: u64,
+    },
+    /// The device ran out of memory.
+    #[error("out of device memory: {0}; use --backend cpu or a smaller memory budget")]
+    OutOfMemory(String),
+    /// A call was refused as invalid: an error in this program.
+    #[error("the device refused a call, please report this: {0}")]
+    Validation(String),
+    /// The driver failed inside.
+    #[error("the device failed inside: {0}; use --backend cpu")]
+    Internal(String),
+    /// The device was lost, for example unplugged or reset.
+    #[error("the device was lost: {0}; use --backend cpu")]
+    Lost(String),
+    /// The device did not finish within the watchdog's time.
+    #[error("the device did not finish within {seconds} s; use --backend cpu")]
+    Timeout {
+        /// The watchdog's time \[s\].
+        seconds: u64,
+    },
+}
+
+impl From<wgpu::Error> for GpuError {
+    fn from(error: wgpu::Error) -> Self {
+        // wgpu's texts run over several lines; ours are one line each.
+        let line = |text: String| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        match error {
+            wgpu::Error::OutOfMemory { source } => Self::OutOfMemory(line(source.to_string())),
+            wgpu::Error::Validation { description, .. } => Self::Validation(line(description)),
+            wgpu::Error::Internal { description, .. } => Self::Internal(line(description)),
+        }
+    }
+}

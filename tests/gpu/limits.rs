@@ -1,0 +1,72 @@
+//! What is too large, wrong or too slow is an error, and the device survives it.
+
+use crate::compare::{ensure, same_segments};
+use crate::meshes::{self, adjacency, planes};
+use crate::{Bench, Test};
+use libtest_mimic::Failed;
+use microtome::gpu::dispatch::Recording;
+use microtome::gpu::{Buffer, GpuError, Options};
+use microtome::shaders::SCAN_ADD;
+use microtome::slice::gpu::GpuSlicer;
+use microtome::slice::{chunk, cpu};
+use std::time::Duration;
+
+pub const TESTS: &[Test] = &[
+    ("what_exceeds_a_binding_is_refused", binding),
+    ("a_wrong_binding_is_an_error_and_the_device_survives", validation),
+    ("a_hung_kernel_is_a_timeout", watchdog),
+];
+
+fn binding(bench: &Bench) -> Result<(), Failed> {
+    let options = Options { largest_binding: 16_384, ..Options::default() };
+    let mut slicer = GpuSlicer::new(bench.open(options)?)?;
+    ensure(slicer.max_segments() == 2_048, format!("{} segments", slicer.max_segments()))?;
+    // 12 bytes per half-edge triple: 1,365 triangles fit.
+    let mesh = meshes::fan(700, 9e6);
+    let refused = slicer.upload(&mesh, &adjacency(&mesh));
+    let message = refused.err().map(|e| e.to_string()).unwrap_or_default();
+    ensure(message.contains("the mesh's triangles needs 16800 of bytes"), message)?;
+
+    let mesh = meshes::fan(600, 9e6);
+    let (links, heights) = (adjacency(&mesh), planes(&mesh, 20));
+    let resident = slicer.upload(&mesh, &links)?;
+    let refused = slicer.slice(&resident, &heights);
+    let total = chunk::segments_per_plane(&mesh, &heights).iter().sum::<u64>();
+    ensure(
+        matches!(refused, Err(GpuError::TooLarge { needs, limit: 2_048, .. }) if needs == total),
+        format!("{total} segments should be refused"),
+    )?;
+    let runs = chunk::runs(&chunk::segments_per_plane(&mesh, &heights), slicer.max_segments());
+    ensure(runs.len() > 3, format!("{runs:?}"))?;
+    slicer.slice_runs(&resident, &heights, &runs, |run, segments| {
+        same_segments("run", &segments, &cpu::slice(&mesh, &links, &heights[run]))
+    })
+}
+
+fn validation(bench: &Bench) -> Result<(), Failed> {
+    let device = bench.open(Options::default())?;
+    let array = Buffer::<u32>::zeroed(&device, "array", 10)?;
+    let mut recording = Recording::new(&device)?;
+    // One array where the kernel has two.
+    let wrong = recording.dispatch(&SCAN_ADD, &[1u32, 0, 0, 0], &[&array], 1);
+    ensure(matches!(wrong, Err(GpuError::Validation(_))), format!("{wrong:?}"))?;
+    let mesh = meshes::fan(30, 9e6);
+    let heights = planes(&mesh, 9);
+    let links = adjacency(&mesh);
+    let mut slicer = GpuSlicer::new(device)?;
+    let resident = slicer.upload(&mesh, &links)?;
+    same_segments(
+        "after the error",
+        &slicer.slice(&resident, &heights)?,
+        &cpu::slice(&mesh, &links, &heights),
+    )
+}
+
+fn watchdog(bench: &Bench) -> Result<(), Failed> {
+    let options = Options { watchdog: Duration::from_nanos(1), ..Options::default() };
+    let mut slicer = GpuSlicer::new(bench.open(options)?)?;
+    let mesh = meshes::torus(300, 30e6, 11e6);
+    let resident = slicer.upload(&mesh, &adjacency(&mesh))?;
+    let hung = slicer.slice(&resident, &planes(&mesh, 100));
+    ensure(matches!(hung, Err(GpuError::Timeout { .. })), format!("{:?}", hung.map(|s| s.start.len())))
+}
