@@ -1,5 +1,14 @@
 //! Segments → closed loops, nesting, simplification.
 
+pub mod chains;
+mod finish;
+mod mate;
+pub mod ring;
+pub mod simplify;
+mod sweep;
+pub mod trace;
+pub mod walk;
+
 use crate::lattice::Point2;
 
 /// A closed polygon \[nm\]; the last point joins the first and is not repeated. Solid on the left:
