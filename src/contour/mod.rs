@@ -1,6 +1,14 @@
 //! Segments → closed loops, nesting, simplification.
 
 pub mod nest;
+pub mod chains;
+mod finish;
+mod mate;
+pub mod ring;
+pub mod simplify;
+mod sweep;
+pub mod trace;
+pub mod walk;
 
 use crate::lattice::Point2;
 

@@ -1,0 +1,295 @@
+//! A run of planes, one after the other: which triangles the plane meets, and the walk through them.
+
+use super::finish::Finish;
+use crate::lattice::{Point2, Point3};
+use crate::mesh::{Adjacency, Mesh};
+use std::ops::Range;
+
+/// The planes that a triangle meets, `first..end`, not empty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Span {
+    pub(super) triangle: u32,
+    pub(super) first: u32,
+    pub(super) end: u32,
+}
+
+/// The state of a sweep over a run of planes.
+pub(super) struct Sweep<'a> {
+    vertices: &'a [Point3],
+    /// Vertex of each half-edge's corner.
+    corners: &'a [u32],
+    twin: &'a [u32],
+    planes: &'a [i32],
+    run: Range<usize>,
+    /// Triangles by the plane where they begin, and by that where they end.
+    begin: Buckets,
+    end: Buckets,
+    /// Triangles that the current plane meets.
+    active: BitSet,
+    /// Those of them not yet walked: empty between planes.
+    todo: Vec<u64>,
+    /// Points in front of the place where the walk of an open chain began.
+    before: Vec<Point2>,
+}
+
+impl<'a> Sweep<'a> {
+    /// `lists` hold the spans that meet the run, and maybe others.
+    pub(super) fn new(
+        mesh: &'a Mesh,
+        adjacency: &'a Adjacency,
+        planes: &'a [i32],
+        lists: &[Vec<Span>],
+        run: Range<usize>,
+    ) -> Self {
+        let (from, to) = (run.start as u32, run.end as u32);
+        let spans = || lists.iter().flatten().filter(|s| s.first < to && s.end > from);
+        let words = mesh.triangles.len().div_ceil(64);
+        Self {
+            vertices: &mesh.vertices,
+            corners: mesh.triangles.as_flattened(),
+            twin: &adjacency.twin,
+            planes,
+            begin: Buckets::new(run.len(), || spans().map(|s| (s.first.max(from) - from, s.triangle))),
+            end: Buckets::new(run.len(), || {
+                spans().filter(|s| s.end < to).map(|s| (s.end - from, s.triangle))
+            }),
+            run,
+            active: BitSet { words: vec![0; words], summary: vec![0; words.div_ceil(64)] },
+            todo: vec![0; words],
+            before: Vec::new(),
+        }
+    }
+
+    /// Hands the contours of plane `k` to `finish`; to be called for all planes of the run in order.
+    pub(super) fn plane(&mut self, k: usize, finish: &mut Finish<'_>) {
+        let here = k - self.run.start;
+        for &t in self.end.of(here) {
+            self.active.remove(t as usize);
+        }
+        for &t in self.begin.of(here) {
+            self.active.insert(t as usize);
+        }
+        let z = self.planes[k];
+        for s in 0..self.active.summary.len() {
+            let mut bits = self.active.summary[s];
+            while bits != 0 {
+                let w = 64 * s + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                self.todo[w] = self.active.words[w];
+            }
+        }
+        for s in 0..self.active.summary.len() {
+            let mut bits = self.active.summary[s];
+            while bits != 0 {
+                let w = 64 * s + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                while self.todo[w] != 0 {
+                    self.walk(64 * w + self.todo[w].trailing_zeros() as usize, z, finish);
+                }
+            }
+        }
+    }
+
+    /// Follows the contour through triangle `start` around, or to both of its ends.
+    fn walk(&mut self, start: usize, z: i32, finish: &mut Finish<'_>) {
+        let corner = [0, 1, 2].map(|i| self.corners[3 * start + i]);
+        let corner_z = corner.map(|v| self.vertices[v as usize].z);
+        let (down, _) = crate::slice::crossing::down_up(corner_z, z);
+        let first = Crossing {
+            edge: 3 * start + down,
+            below: self.vertices[corner[(down + 1) % 3] as usize],
+            above: self.vertices[corner[down] as usize],
+        };
+        let (mut at, mut t) = (first, start);
+        loop {
+            self.todo[t / 64] &= !(1 << (t % 64));
+            finish.point(point(at.below, at.above, z));
+            // Behind the third corner lies the up edge: on its far side if it is above, on its near
+            // side if it is below.
+            let far = previous(at.edge);
+            let third = self.vertices[self.corners[far] as usize];
+            let up = if third.z >= z {
+                at.above = third;
+                following(at.edge)
+            } else {
+                at.below = third;
+                far
+            };
+            at.edge = self.twin[up] as usize;
+            t = at.edge / 3;
+            let unwalked = self.todo.get(t / 64).is_some_and(|word| word >> (t % 64) & 1 == 1);
+            if !unwalked {
+                break;
+            }
+        }
+        if t == start {
+            return finish.close();
+        }
+        finish.point(point(at.below, at.above, z));
+        self.walk_back(first, z);
+        finish.leave_open(&self.before);
+    }
+
+    /// Collects the points in front of a crossing, against the direction of the contour.
+    fn walk_back(&mut self, first: Crossing, z: i32) {
+        self.before.clear();
+        let mut at = first;
+        loop {
+            at.edge = self.twin[at.edge] as usize;
+            let t = at.edge / 3;
+            let unwalked = self.todo.get(t / 64).is_some_and(|word| word >> (t % 64) & 1 == 1);
+            if !unwalked {
+                break;
+            }
+            self.todo[t / 64] &= !(1 << (t % 64));
+            let far = previous(at.edge);
+            let third = self.vertices[self.corners[far] as usize];
+            if third.z >= z {
+                at.above = third;
+                at.edge = far;
+            } else {
+                at.below = third;
+                at.edge = following(at.edge);
+            }
+            self.before.push(point(at.below, at.above, z));
+        }
+    }
+}
+
+/// An edge that the plane crosses: a half-edge of it and its two vertices.
+#[derive(Clone, Copy)]
+struct Crossing {
+    edge: usize,
+    below: Point3,
+    above: Point3,
+}
+
+/// The next half-edge around a triangle.
+fn following(edge: usize) -> usize {
+    if edge % 3 == 2 { edge - 2 } else { edge + 1 }
+}
+
+/// The one before.
+fn previous(edge: usize) -> usize {
+    if edge.is_multiple_of(3) { edge + 2 } else { edge - 1 }
+}
+
+/// [`crate::slice::crossing::point`] by a float estimate that is set right exactly: the same bits for
+/// less than a division of integers, and no panic on an edge that does not cross the plane.
+#[inline]
+fn point(below: Point3, above: Point3, z: i32) -> Point2 {
+    let dz = i64::from(above.z) - i64::from(below.z);
+    let rise = i64::from(z) - i64::from(below.z);
+    let inverse = 1.0 / dz as f64;
+    let along = |from: i32, to: i32| {
+        let run = i64::from(to) - i64::from(from);
+        let product = run.abs() * rise + dz / 2;
+        // Below 2^31 with a relative error of about 2^-52: off by one at most.
+        let estimate = (product as f64 * inverse) as i64;
+        let rest = product.wrapping_sub(estimate.wrapping_mul(dz));
+        let step = estimate.wrapping_add(i64::from(rest >= dz) - i64::from(rest < 0));
+        i64::from(from).wrapping_add(if run < 0 { step.wrapping_neg() } else { step }) as i32
+    };
+    Point2::new(along(below.x, above.x), along(below.y, above.y))
+}
+
+/// Triangles sorted by a plane of the run.
+struct Buckets {
+    base: Vec<u32>,
+    triangles: Vec<u32>,
+}
+
+impl Buckets {
+    /// Counting sort of (plane, triangle) pairs, each plane below `planes`.
+    fn new<I: Iterator<Item = (u32, u32)>>(planes: usize, pairs: impl Fn() -> I) -> Self {
+        let mut base = vec![0u32; planes + 2];
+        for (plane, _) in pairs() {
+            base[plane as usize + 2] += 1;
+        }
+        for k in 2..base.len() {
+            base[k] += base[k - 1];
+        }
+        let mut triangles = vec![0; base[planes + 1] as usize];
+        for (plane, triangle) in pairs() {
+            let cursor = &mut base[plane as usize + 1];
+            triangles[*cursor as usize] = triangle;
+            *cursor += 1;
+        }
+        Self { base, triangles }
+    }
+
+    fn of(&self, plane: usize) -> &[u32] {
+        &self.triangles[self.base[plane] as usize..self.base[plane + 1] as usize]
+    }
+}
+
+/// A set of triangle ids with a second level that marks its words in use.
+struct BitSet {
+    words: Vec<u64>,
+    summary: Vec<u64>,
+}
+
+impl BitSet {
+    fn insert(&mut self, t: usize) {
+        self.words[t / 64] |= 1 << (t % 64);
+        self.summary[t / 4096] |= 1 << (t / 64 % 64);
+    }
+
+    fn remove(&mut self, t: usize) {
+        self.words[t / 64] &= !(1 << (t % 64));
+        if self.words[t / 64] == 0 {
+            self.summary[t / 4096] &= !(1 << (t / 64 % 64));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::LIMIT;
+    use crate::slice::crossing;
+
+    #[test]
+    fn the_quick_crossing_has_the_bits_of_the_exact_one() {
+        let mut state = 0x9E37_79B9_7F4A_7C15u64;
+        let mut random = |bits: u32| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            let c = (state >> 20) as i32 & ((1i64 << bits) - 1) as i32;
+            if state & 1 == 0 { c } else { -c }
+        };
+        let mut compared = 0;
+        for i in 0..300_000 {
+            let bits = [30, 30, 20, 8, 3][i % 5];
+            let a = Point3::new(random(30), random(bits), random(bits));
+            let b = Point3::new(random(bits), random(30), random(30));
+            let (below, above) = if a.z < b.z { (a, b) } else { (b, a) };
+            let z = [random(30), below.z + 1, above.z, (below.z + above.z) / 2][i % 4];
+            if below.z < z && z <= above.z {
+                compared += 1;
+                assert_eq!(
+                    point(below, above, z),
+                    crossing::point(below, above, z),
+                    "{below:?} {above:?} {z}"
+                );
+            }
+        }
+        assert!(compared > 100_000);
+        let m = LIMIT - 1;
+        let (low, high) = (Point3::new(-m, m, -m), Point3::new(m, -m, m));
+        for z in [1 - m, -1, 0, 1, 7, m] {
+            assert_eq!(point(low, high, z), crossing::point(low, high, z));
+        }
+    }
+
+    #[test]
+    fn buckets_keep_the_order_of_their_pairs() {
+        let pairs = [(2, 7), (0, 1), (2, 3), (3, 9)];
+        let buckets = Buckets::new(4, || pairs.iter().copied());
+        assert_eq!(buckets.of(0), [1]);
+        assert_eq!(buckets.of(1), []);
+        assert_eq!(buckets.of(2), [7, 3]);
+        assert_eq!(buckets.of(3), [9]);
+    }
+}
