@@ -7,6 +7,8 @@ pub mod flavor;
 pub mod number;
 mod preamble;
 pub mod summary;
+#[cfg(test)]
+mod tests;
 pub mod texts;
 pub mod writer;
 

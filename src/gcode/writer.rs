@@ -21,9 +21,26 @@ pub struct Writer<'a, W> {
     e_per_mm3: f64,
     machine: Machine,
     summary: Summary,
-    /// Lowest and highest extruded coordinates \[µm\].
+    bounds: Bounds,
+}
+
+/// Lowest and highest extruded coordinates \[µm\].
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
     low: [i64; 3],
     high: [i64; 3],
+}
+
+impl Bounds {
+    /// Widens the box along some axes, the first one being number `first`.
+    #[inline]
+    fn include<const N: usize>(&mut self, first: usize, values: [i64; N]) {
+        for (axis, v) in values.into_iter().enumerate() {
+            let axis = first + axis;
+            self.low[axis] = self.low[axis].min(v);
+            self.high[axis] = self.high[axis].max(v);
+        }
+    }
 }
 
 /// What the machine was told last.
@@ -78,8 +95,7 @@ impl<'a, W: io::Write> Writer<'a, W> {
             e_per_mm3: settings.filament.extrusion_multiplier / area * 1e5,
             machine: Machine::default(),
             summary: Summary::default(),
-            low: [i64::MAX; 3],
-            high: [i64::MIN; 3],
+            bounds: Bounds { low: [i64::MAX; 3], high: [i64::MIN; 3] },
         };
         writer.buffer.extend_from_slice(&preamble::head(layers, settings, texts));
         Ok(writer)
@@ -122,8 +138,7 @@ impl<'a, W: io::Write> Writer<'a, W> {
             }
         }
         if !layer.extrusions.is_empty() {
-            self.low[2] = self.low[2].min(z);
-            self.high[2] = self.high[2].max(z);
+            self.bounds.include(2, [z]);
         }
         self.summary.layers += 1;
         Ok(())
@@ -139,9 +154,9 @@ impl<'a, W: io::Write> Writer<'a, W> {
         }
         self.summary.filament_mm = self.machine.e_net as f64 / 1e5;
         self.summary.weigh(&self.settings.filament);
-        if self.low[2] <= self.high[2] {
-            self.summary.low = self.low.map(|v| v as f64 / 1000.0);
-            self.summary.high = self.high.map(|v| v as f64 / 1000.0);
+        if self.bounds.low[2] <= self.bounds.high[2] {
+            self.summary.low = self.bounds.low.map(|v| v as f64 / 1000.0);
+            self.summary.high = self.bounds.high.map(|v| v as f64 / 1000.0);
         }
         let tail = preamble::tail(&self.summary.comments(), self.settings, self.texts);
         self.buffer.extend_from_slice(&tail);
@@ -165,6 +180,8 @@ impl<'a, W: io::Write> Writer<'a, W> {
         self.unretract();
         let feed = feed(extrusion.speed);
         let before = self.machine.e_net;
+        let at = self.world(start);
+        self.bounds.include(0, at);
         let steps_per_nm = extrusion.mm3_per_mm * self.e_per_mm3 / NM_PER_MM;
         let mut from = start;
         for &to in rest {
@@ -193,10 +210,7 @@ impl<'a, W: io::Write> Writer<'a, W> {
         m.e += step;
         m.e_net += step;
         m.at = Some([x, y]);
-        for (axis, v) in [x, y].into_iter().enumerate() {
-            self.low[axis] = self.low[axis].min(v);
-            self.high[axis] = self.high[axis].max(v);
-        }
+        self.bounds.include(0, [x, y]);
         let line = &mut self.line;
         line.clear();
         line.text(b"G1");
@@ -386,5 +400,5 @@ impl<'a, W: io::Write> Writer<'a, W> {
 
 /// A speed in mm/s as F, in thousandths of mm/min and rounded to whole mm/min.
 fn feed(speed: f64) -> i64 {
-    (speed * 60.0).round().max(1.0) as i64 * 1000
+    (speed * 60.0).round().clamp(1.0, 1e9) as i64 * 1000
 }

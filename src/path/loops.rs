@@ -3,37 +3,35 @@
 use super::seam::Seam;
 use crate::lattice::Point2;
 use crate::region::Wall;
+use std::ops::Range;
 
-/// An external wall with the inner walls that follow it.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Nest {
-    /// Indices of the walls, from the external one inwards.
-    pub walls: Vec<u32>,
-}
-
-/// Sorts the walls of an island into nests; their order is that of the external walls.
+/// Sorts the walls of an island into nests: an external wall with the inner walls that follow it.
 ///
-/// An inner wall follows the wall of the next smaller depth, hole or not as it is itself, whose box
-/// is most like its own. One that nothing precedes starts a nest.
-pub(super) fn nests(walls: &[Wall], out: &mut Vec<Nest>) {
-    out.clear();
-    let externals = walls.iter().filter(|w| w.depth == 0).count();
-    let mut order: Vec<u32> =
-        (0..walls.len() as u32).filter(|&i| !walls[i as usize].ring.is_empty()).collect();
-    order.sort_by_key(|&i| walls[i as usize].depth);
-    if externals <= 1 && walls.iter().all(|w| w.depth > 0 || !w.hole) {
-        if !order.is_empty() {
-            out.push(Nest { walls: order });
-        }
+/// Appends the indices of the walls to `order`, nest by nest and in each from the external wall
+/// inwards, and the nests' ranges in `order` to `out`, in the order of the external walls. An inner
+/// wall follows the wall of the next smaller depth, hole or not as it is itself, whose box is most
+/// like its own. One that nothing precedes starts a nest. Empty rings are left out.
+pub(super) fn nests(walls: &[Wall], order: &mut Vec<u32>, out: &mut Vec<Range<u32>>) {
+    let first = order.len();
+    let depth_of = |i: &u32| walls[*i as usize].depth;
+    order.extend((0..walls.len() as u32).filter(|&i| !walls[i as usize].ring.is_empty()));
+    if !order[first..].is_sorted_by_key(depth_of) {
+        order[first..].sort_by_key(depth_of);
+    }
+    let Some(outermost) = order.get(first).map(depth_of) else { return };
+    let alone = order.get(first + 1).is_none_or(|i| depth_of(i) > outermost);
+    if alone && walls.iter().all(|w| !w.hole) {
+        out.push(first as u32..order.len() as u32);
         return;
     }
     let boxes: Vec<_> = walls.iter().map(|w| sides(&w.ring)).collect();
     // Nest of each wall seen so far.
     let mut nest_of = vec![u32::MAX; walls.len()];
+    let mut count = 0;
     // Walls of the depth above and of the current one.
     let (mut above, mut level): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
-    let mut depth = 0;
-    for &i in &order {
+    let mut depth = outermost;
+    for &i in &order[first..] {
         let wall = &walls[i as usize];
         if wall.depth != depth {
             above = std::mem::take(&mut level);
@@ -43,16 +41,20 @@ pub(super) fn nests(walls: &[Wall], out: &mut Vec<Nest>) {
             }
             depth = wall.depth;
         }
-        let nest = match parent(i, walls, &boxes, &above) {
+        nest_of[i as usize] = match parent(i, walls, &boxes, &above) {
             Some(j) => nest_of[j as usize],
             None => {
-                out.push(Nest::default());
-                out.len() as u32 - 1
+                count += 1;
+                count - 1
             }
         };
-        nest_of[i as usize] = nest;
-        out[nest as usize].walls.push(i);
         level.push(i);
+    }
+    order[first..].sort_by_key(|&i| nest_of[i as usize]);
+    let mut start = first as u32;
+    for nest in order[first..].chunk_by(|&a, &b| nest_of[a as usize] == nest_of[b as usize]) {
+        out.push(start..start + nest.len() as u32);
+        start += nest.len() as u32;
     }
 }
 
@@ -143,6 +145,13 @@ mod tests {
         Wall { ring, depth, hole }
     }
 
+    /// The nests of one island, behind something that is there already.
+    fn nests_of(walls: &[Wall]) -> Vec<Vec<u32>> {
+        let (mut order, mut out) = (vec![99], Vec::new());
+        nests(walls, &mut order, &mut out);
+        out.into_iter().map(|r| order[r.start as usize..r.end as usize].to_vec()).collect()
+    }
+
     #[test]
     fn holes_and_contours_keep_their_own_inner_walls() {
         let mut walls = vec![wall(rectangle(0, 0, 100_000_000, 100_000_000), 0, false)];
@@ -161,12 +170,11 @@ mod tests {
                 true,
             ));
         }
-        let mut out = Vec::new();
-        nests(&walls, &mut out);
-        assert_eq!(out.len(), 41);
-        assert_eq!(out[0].walls, [0, 41]);
+        let found = nests_of(&walls);
+        assert_eq!(found.len(), 41);
+        assert_eq!(found[0], [0, 41]);
         for i in 0..40 {
-            assert_eq!(out[i + 1].walls, [i as u32 + 1, 81 - i as u32]);
+            assert_eq!(found[i + 1], [i as u32 + 1, 81 - i as u32]);
         }
     }
 
@@ -178,13 +186,8 @@ mod tests {
             wall(rectangle(3, 3, 5, 5), 0, true),
             wall(rectangle(2, 2, 6, 6), 1, true),
         ];
-        let mut out = Vec::new();
-        nests(&walls, &mut out);
-        let mut all: Vec<_> = out.iter().flat_map(|n| n.walls.clone()).collect();
-        all.sort_unstable();
-        assert_eq!(all, [0, 1, 2, 3]);
-        nests(&[], &mut out);
-        assert!(out.is_empty());
+        assert_eq!(nests_of(&walls), [vec![1], vec![2, 3], vec![0]]);
+        assert!(nests_of(&[]).is_empty());
     }
 
     #[test]
