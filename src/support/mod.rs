@@ -1,1 +1,3 @@
 //! Overhangs, supports and adhesion.
+
+pub mod skirt;
