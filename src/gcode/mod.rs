@@ -1,1 +1,3 @@
 //! Moves → bytes.
+
+pub mod template;

@@ -1,0 +1,198 @@
+//! The registry: one row per setting, and everything else follows from it.
+
+use super::assign::quote;
+use super::kind::Kind::{self, Choice, Count, Flag, Number, NumberOrPercent, Percent, Points, Text};
+use super::kind::Stage;
+use super::types::Settings;
+use super::value::{Problem, Value, unescape};
+
+/// One setting: its name and syntax, and the way to its field.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// PrusaSlicer's name, e.g. `layer_height`.
+    pub name: &'static str,
+    /// The stage it belongs to.
+    pub stage: Stage,
+    /// Unit of a bare number; empty where there is none.
+    pub unit: &'static str,
+    /// Syntax and range.
+    pub kind: Kind,
+    /// PrusaSlicer keeps a value for each extruder (`0.4,0.4`); the first is used here.
+    pub per_extruder: bool,
+    /// What it does, in one line.
+    pub help: &'static str,
+    pub(super) read: fn(&mut Settings, &str) -> Result<(), Problem>,
+    pub(super) write: fn(&Settings) -> String,
+}
+
+impl Key {
+    /// The value of this key in `settings`, in PrusaSlicer's syntax.
+    pub fn get(&self, settings: &Settings) -> String {
+        let text = (self.write)(settings);
+        match self.kind {
+            // What was written can be read, so the fallback is never taken.
+            Text if self.per_extruder => quote(&unescape(&text).unwrap_or(text)),
+            _ => text,
+        }
+    }
+
+    /// The default value, in PrusaSlicer's syntax.
+    pub fn default_text(&self) -> String {
+        self.get(&Settings::default())
+    }
+}
+
+/// The key of that name.
+pub fn find(name: &str) -> Option<&'static Key> {
+    KEYS.iter().find(|k| k.name == name)
+}
+
+/// Rows `Stage stage.field: [@each] Kind, "unit", "help";` - the field's name is the key's, and `@each` marks a
+/// value per extruder.
+macro_rules! registry {
+    ($($stage:ident $part:ident.$field:ident: $(@ $each:ident)? $kind:expr, $unit:literal, $help:literal;)*) => {
+        /// Every setting this crate honours, grouped by stage.
+        pub static KEYS: &[Key] = &[$(Key {
+            name: stringify!($field),
+            stage: Stage::$stage,
+            unit: $unit,
+            kind: $kind,
+            per_extruder: registry!(is_each $($each)?),
+            help: $help,
+            read: |settings, text| {
+                settings.$part.$field = Value::read(text, &$kind)?;
+                Ok(())
+            },
+            write: |settings| settings.$part.$field.write(&$kind),
+        },)*];
+    };
+    (is_each each) => { true };
+    (is_each) => { false };
+}
+
+/// A line width: a length, or a percentage of the layer height; 0 means automatic.
+const WIDTH: Kind = NumberOrPercent(0.0, 20.0, 2000.0);
+/// A speed; 0 (automatic in PrusaSlicer) is refused by the cross-checks with a better message than a range.
+const SPEED: Kind = Number(0.0, 10_000.0);
+/// A speed or a percentage of another one.
+const SPEED_OF: Kind = NumberOrPercent(0.0, 10_000.0, 1000.0);
+const SKIN_PATTERNS: Kind = Choice(
+    &["rectilinear", "monotonic", "alignedrectilinear"],
+    &["monotoniclines", "concentric", "hilbertcurve", "archimedeanchords", "octagramspiral"],
+);
+const SPARSE_PATTERNS: Kind = Choice(
+    &["rectilinear", "alignedrectilinear", "monotonic"],
+    &[
+        "grid",
+        "triangles",
+        "stars",
+        "cubic",
+        "line",
+        "concentric",
+        "honeycomb",
+        "3dhoneycomb",
+        "gyroid",
+        "hilbertcurve",
+        "archimedeanchords",
+        "octagramspiral",
+        "adaptivecubic",
+        "supportcubic",
+        "lightning",
+        "zigzag",
+    ],
+);
+
+registry! {
+    Slicing slicing.layer_height: Number(0.01, 10.0), "mm", "Layer thickness";
+    Slicing slicing.first_layer_height: NumberOrPercent(0.01, 10.0, 1000.0), "mm", "Thickness of the first layer; % of layer_height";
+    Slicing slicing.resolution: Number(0.0, 10.0), "mm", "Tolerance of contour simplification; 0 keeps every point";
+    Slicing slicing.slice_closing_radius: Number(0.0, 10.0), "mm", "Gaps in a contour up to twice this are closed";
+    Slicing slicing.xy_size_compensation: Number(-10.0, 10.0), "mm", "Grows (+) or shrinks (-) every layer's outline in XY";
+
+    Widths widths.extrusion_width: WIDTH, "mm", "Line width where the widths below are 0; % of the layer height; 0 = automatic";
+    Widths widths.first_layer_extrusion_width: WIDTH, "mm", "Line width of the whole first layer; % of its height; 0 = as on other layers";
+    Widths widths.perimeter_extrusion_width: WIDTH, "mm", "Line width of inner walls; % of the layer height; 0 = automatic";
+    Widths widths.external_perimeter_extrusion_width: WIDTH, "mm", "Line width of the outermost wall; % of the layer height; 0 = automatic";
+    Widths widths.infill_extrusion_width: WIDTH, "mm", "Line width of sparse infill; % of the layer height; 0 = automatic";
+    Widths widths.solid_infill_extrusion_width: WIDTH, "mm", "Line width of solid infill; % of the layer height; 0 = automatic";
+    Widths widths.top_infill_extrusion_width: WIDTH, "mm", "Line width of topmost solid infill; % of the layer height; 0 = automatic";
+
+    Perimeters perimeters.perimeters: Count(0, 1000), "", "Number of walls";
+    Perimeters perimeters.external_perimeters_first: Flag, "", "Print the outermost wall before the inner ones";
+    Perimeters perimeters.seam_position: Choice(&["random", "nearest", "aligned", "rear"], &[]), "", "Where loops start";
+
+    Infill infill.fill_density: Percent(0.0, 100.0), "%", "Density of sparse infill";
+    Infill infill.fill_pattern: SPARSE_PATTERNS, "", "Pattern of sparse infill";
+    Infill infill.top_fill_pattern: SKIN_PATTERNS, "", "Pattern of top skins";
+    Infill infill.bottom_fill_pattern: SKIN_PATTERNS, "", "Pattern of bottom skins";
+    Infill infill.fill_angle: Number(0.0, 360.0), "°", "Direction of the first family of infill lines, counter-clockwise from +x";
+    Infill infill.infill_overlap: NumberOrPercent(0.0, 10.0, 100.0), "mm", "How far infill reaches into the innermost wall; % of that wall's width";
+    Infill infill.top_solid_layers: Count(0, 100_000), "", "Solid layers under every top surface";
+    Infill infill.bottom_solid_layers: Count(0, 100_000), "", "Solid layers over every bottom surface";
+    Infill infill.top_solid_min_thickness: Number(0.0, 1000.0), "mm", "Least thickness of the top shell";
+    Infill infill.bottom_solid_min_thickness: Number(0.0, 1000.0), "mm", "Least thickness of the bottom shell";
+    Infill infill.solid_infill_below_area: Number(0.0, 1e6), "mm²", "Sparse areas smaller than this become solid";
+    Infill infill.solid_infill_every_layers: Count(0, 100_000), "", "Every N-th layer is solid; 0 = never";
+    Infill infill.infill_first: Flag, "", "Print infill before the walls";
+
+    Adhesion adhesion.skirts: Count(0, 1000), "", "Loops around the print; 0 = none";
+    Adhesion adhesion.skirt_distance: Number(0.0, 1000.0), "mm", "Distance between skirt and print";
+    Adhesion adhesion.skirt_height: Count(0, 100_000), "layers", "Layers the skirt stands high";
+    Adhesion adhesion.min_skirt_length: Number(0.0, 1e6), "mm", "Least filament extruded in the first layer's skirt; 0 = no minimum";
+
+    Speed speed.perimeter_speed: SPEED, "mm/s", "Speed of inner walls";
+    Speed speed.external_perimeter_speed: SPEED_OF, "mm/s", "Speed of the outermost wall; % of perimeter_speed";
+    Speed speed.small_perimeter_speed: SPEED_OF, "mm/s", "Speed of walls of radius up to 6.5 mm; % of perimeter_speed";
+    Speed speed.infill_speed: SPEED, "mm/s", "Speed of sparse infill";
+    Speed speed.solid_infill_speed: SPEED_OF, "mm/s", "Speed of solid infill; % of infill_speed";
+    Speed speed.top_solid_infill_speed: SPEED_OF, "mm/s", "Speed of topmost solid infill; % of solid_infill_speed";
+    Speed speed.first_layer_speed: SPEED_OF, "mm/s", "Speed of the first layer; % of each line's own speed";
+    Speed speed.travel_speed: SPEED, "mm/s", "Speed of moves without extrusion";
+    Speed speed.travel_speed_z: SPEED, "mm/s", "Speed of vertical moves; 0 = travel_speed";
+    Speed speed.max_volumetric_speed: Number(0.0, 10_000.0), "mm³/s", "Limit of volumetric flow; 0 = none";
+
+    Retraction retraction.retract_length: @each Number(0.0, 1000.0), "mm", "Filament pulled back; 0 = never retract";
+    Retraction retraction.retract_speed: @each Number(0.0, 10_000.0), "mm/s", "Speed of the pull";
+    Retraction retraction.deretract_speed: @each Number(0.0, 10_000.0), "mm/s", "Speed of the push; 0 = retract_speed";
+    Retraction retraction.retract_restart_extra: @each Number(-100.0, 100.0), "mm", "Extra filament pushed after a retraction";
+    Retraction retraction.retract_before_travel: @each Number(0.0, 10_000.0), "mm", "Travels shorter than this do not retract";
+    Retraction retraction.retract_lift: @each Number(0.0, 100.0), "mm", "Nozzle lift during retracted travel";
+    Retraction retraction.retract_layer_change: @each Flag, "", "Retract at every layer change";
+
+    Cooling cooling.cooling: @each Flag, "", "Slow short layers down and drive the fan by layer time";
+    Cooling cooling.fan_always_on: @each Flag, "", "Keep the fan at min_fan_speed at least";
+    Cooling cooling.min_fan_speed: @each Number(0.0, 100.0), "%", "Least fan speed";
+    Cooling cooling.max_fan_speed: @each Number(0.0, 100.0), "%", "Fan speed of the shortest layers";
+    Cooling cooling.disable_fan_first_layers: @each Count(0, 100_000), "layers", "The fan stays off for this many layers";
+    Cooling cooling.full_fan_speed_layer: @each Count(0, 100_000), "", "The fan ramps up to full speed at this layer; 0 = no ramp";
+    Cooling cooling.fan_below_layer_time: @each Number(0.0, 1e5), "s", "Layers shorter than this turn the fan on";
+    Cooling cooling.slowdown_below_layer_time: @each Number(0.0, 1e5), "s", "Layers shorter than this are slowed down";
+    Cooling cooling.min_print_speed: @each Number(0.0, 10_000.0), "mm/s", "The slow-down stops at this speed";
+
+    Filament filament.filament_diameter: @each Number(0.1, 20.0), "mm", "Diameter of the filament";
+    Filament filament.filament_density: @each Number(0.0, 100.0), "g/cm³", "Density of the filament; 0 = unknown";
+    Filament filament.filament_cost: @each Number(0.0, 1e9), "money/kg", "Price of the filament; 0 = unknown";
+    Filament filament.filament_type: @each Text, "", "Material, e.g. PLA";
+    Filament filament.extrusion_multiplier: @each Number(0.01, 10.0), "", "Factor on all flow";
+    Filament filament.filament_max_volumetric_speed: @each Number(0.0, 10_000.0), "mm³/s", "Limit of the filament's volumetric flow; 0 = none";
+    Filament filament.temperature: @each Count(0, 600), "°C", "Nozzle temperature; 0 leaves it alone";
+    Filament filament.first_layer_temperature: @each Count(0, 600), "°C", "Nozzle temperature of the first layer; 0 leaves it alone";
+    Filament filament.bed_temperature: @each Count(0, 300), "°C", "Bed temperature; 0 leaves it alone";
+    Filament filament.first_layer_bed_temperature: @each Count(0, 300), "°C", "Bed temperature of the first layer; 0 leaves it alone";
+
+    Printer printer.printer_technology: Choice(&["FFF"], &[]), "", "How the machine builds; only filament printers have these settings";
+    Printer printer.bed_shape: Points(-10_000.0, 10_000.0), "mm", "Outline of the bed";
+    Printer printer.max_print_height: Number(0.0, 10_000.0), "mm", "Height of the build volume; 0 = unlimited";
+    Printer printer.nozzle_diameter: @each Number(0.05, 10.0), "mm", "Bore of the nozzle";
+    Printer printer.gcode_flavor: Choice(&["reprap", "reprapfirmware", "marlin", "marlin2", "klipper"], &[]), "", "Dialect of the firmware";
+    Printer printer.z_offset: Number(-100.0, 100.0), "mm", "Added to every Z";
+    Printer printer.use_relative_e_distances: Flag, "", "E counts per move (M83) instead of from the start (M82)";
+    Printer printer.use_firmware_retraction: Flag, "", "Retract by G10 / G11";
+
+    Output output.start_gcode: Text, "", "Template written before the print";
+    Output output.end_gcode: Text, "", "Template written after the print";
+    Output output.before_layer_gcode: Text, "", "Template written before each layer's Z move";
+    Output output.layer_gcode: Text, "", "Template written after each layer's Z move";
+    Output output.gcode_comments: Flag, "", "Say what each line does";
+    Output output.gcode_resolution: Number(0.0, 10.0), "mm", "Tolerance of path simplification";
+}

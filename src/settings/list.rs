@@ -1,0 +1,116 @@
+//! The registry as text: a reference in Markdown and a list for the terminal.
+
+use super::foreign::FOREIGN;
+use super::keys::{KEYS, Key};
+use super::kind::Stage;
+use std::fmt::Write as _;
+
+fn of_stage(stage: Stage) -> impl Iterator<Item = &'static Key> {
+    KEYS.iter().filter(move |k| k.stage == stage)
+}
+
+/// All settings with their defaults, units and ranges, for a terminal.
+pub fn terminal_list() -> String {
+    let mut out = String::new();
+    for stage in Stage::ALL {
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "{}", stage.heading());
+        for key in of_stage(stage) {
+            let unit = if key.unit.is_empty() { String::new() } else { format!(" {}", key.unit) };
+            let range = key.kind.to_string();
+            let range = if range.is_empty() { range } else { format!(" [{range}]") };
+            let _ = writeln!(out, "  {} = {}{unit}{range}", key.name, key.default_text());
+            let _ = writeln!(out, "      {}", key.help);
+        }
+    }
+    out
+}
+
+/// The text of `docs/SETTINGS.md`.
+pub fn reference() -> String {
+    let mut out = String::from(HEAD);
+    for stage in Stage::ALL {
+        let _ = writeln!(out, "\n## {} (`[{}]`)\n", stage.heading(), stage.name());
+        out.push_str("| key | default | unit | range | meaning |\n|---|---|---|---|---|\n");
+        for key in of_stage(stage) {
+            let star = if key.per_extruder { "\\*" } else { "" };
+            let default = key.default_text();
+            let default = if default.is_empty() { default } else { format!("`{}`", cell(&default)) };
+            let (range, help) = (cell(&key.kind.to_string()), cell(key.help));
+            let _ = writeln!(out, "| `{}`{star} | {default} | {} | {range} | {help} |", key.name, key.unit);
+        }
+    }
+    out.push_str(FOREIGN_HEAD);
+    out.push_str("\n| key | warns unless |\n|---|---|\n");
+    for f in FOREIGN {
+        if let Some(off) = f.off {
+            let off: Vec<String> = off
+                .iter()
+                .map(|o| if o.is_empty() { "empty".to_owned() } else { format!("`{o}`") })
+                .collect();
+            let _ = writeln!(out, "| `{}` | {} |", f.name, off.join(", "));
+        }
+    }
+    let quiet: Vec<String> =
+        FOREIGN.iter().filter(|f| f.off.is_none()).map(|f| format!("`{}`", f.name)).collect();
+    let _ = writeln!(out, "\nKnown by name, without a warning:\n\n{}.", quiet.join(", "));
+    out
+}
+
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|")
+}
+
+const HEAD: &str = "# Settings
+
+The names, units, value syntax and defaults are PrusaSlicer's, with one exception: `fill_pattern` is
+`rectilinear` here. This page is generated from the registry in `src/settings/keys.rs`; a test keeps it true
+(`MICROTOME_BLESS=1 cargo test --lib settings` rewrites it).
+
+Settings come, later ones winning, from files (`--load FILE`, may be repeated), from a flag for each key
+(`--layer-height 0.2`, `--fill-density 20%`, `--cooling=0`), and from `--set key=value`.
+
+Values are written as in PrusaSlicer: `0` and `1` (also `false` and `true`), `20%`, points `0x0,200x0,...`, and
+texts on one line with `\\n` for a new line. A key marked \\* may have an entry for each extruder (`0.4,0.4`, texts
+`PLA;PETG`); the first is used. Ranges include both ends.
+
+A file is TOML, a flat PrusaSlicer `.ini`, or a G-code file with PrusaSlicer's config block. In TOML the keys stand
+at the top or in the tables named below; numbers, booleans and texts are TOML's own, and points are
+`[[0, 0], [200, 0], ...]`.
+
+G-code templates may use `[name]` or `{name}` for each setting on this page, `[name_0]` or `{name[0]}` for a key marked
+\\*, and the values of the print such as `layer_num` and `layer_z`. As in PrusaSlicer a `[` or `{` starts a name
+everywhere, in comments too, and there is no way to escape it; `]` and `}` alone are plain text. Anything but a name is
+an error.
+";
+
+const FOREIGN_HEAD: &str = "
+## Known, not honoured yet
+
+These are settings of PrusaSlicer that have no effect here yet. They are accepted and counted. A value that asks for
+something the print would visibly lack gives a warning.
+";
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_reference_in_docs_is_up_to_date() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/SETTINGS.md");
+        let now = reference();
+        if std::env::var_os("MICROTOME_BLESS").is_some() {
+            std::fs::create_dir_all(concat!(env!("CARGO_MANIFEST_DIR"), "/docs")).unwrap();
+            std::fs::write(path, &now).unwrap();
+        }
+        let stored = std::fs::read_to_string(path).unwrap_or_default();
+        assert!(stored == now, "docs/SETTINGS.md is stale; run the tests once with MICROTOME_BLESS=1");
+    }
+
+    #[test]
+    fn the_terminal_list_names_every_key() {
+        let list = terminal_list();
+        assert!(KEYS.iter().all(|k| list.contains(&format!("  {} = ", k.name))));
+    }
+}

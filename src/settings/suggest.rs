@@ -1,0 +1,59 @@
+//! "Did you mean": the nearest known name.
+
+use super::foreign::FOREIGN;
+use super::keys::KEYS;
+
+/// The known setting most like `name`, honoured ones first; `None` if nothing is near.
+pub fn nearest(name: &str) -> Option<&'static str> {
+    let typed: Vec<char> =
+        name.chars().take(80).map(|c| if c == '-' { '_' } else { c.to_ascii_lowercase() }).collect();
+    let limit = 2.max(typed.len() / 4);
+    let known = KEYS.iter().map(|k| k.name).chain(FOREIGN.iter().map(|f| f.name));
+    // `min_by_key` keeps the first of equals.
+    known
+        .map(|k| (distance(&typed, k), k))
+        .filter(|(d, _)| *d <= limit)
+        .min_by_key(|(d, _)| *d)
+        .map(|(_, k)| k)
+}
+
+/// Levenshtein's edit distance: insertions, deletions and substitutions that turn one name into the other.
+fn distance(a: &[char], b: &str) -> usize {
+    let mut row: Vec<usize> = (0..=a.len()).collect();
+    for (i, cb) in b.chars().enumerate() {
+        let mut diagonal = i;
+        let mut left = i + 1;
+        for (ca, cell) in a.iter().zip(row.iter_mut().skip(1)) {
+            let up = *cell;
+            left = (diagonal + usize::from(*ca != cb)).min(up + 1).min(left + 1);
+            diagonal = up;
+            *cell = left;
+        }
+        if let Some(first) = row.first_mut() {
+            *first = i + 1;
+        }
+    }
+    row.last().copied().unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edit_distances_are_the_textbooks() {
+        let d = |a: &str, b: &str| distance(&a.chars().collect::<Vec<_>>(), b);
+        assert_eq!(d("kitten", "sitting"), 3);
+        assert_eq!(d("", "abc"), 3);
+        assert_eq!(d("abc", ""), 3);
+        assert_eq!(d("layer_height", "layer_height"), 0);
+    }
+
+    #[test]
+    fn a_slip_finds_the_key_meant() {
+        assert_eq!(nearest("layer_hieght"), Some("layer_height"));
+        assert_eq!(nearest("layer-height"), Some("layer_height"));
+        assert_eq!(nearest("suport_material"), Some("support_material"));
+        assert_eq!(nearest("quite_something_else"), None);
+    }
+}

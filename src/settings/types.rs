@@ -1,0 +1,470 @@
+//! The settings themselves: one struct per stage, in PrusaSlicer's units and with its defaults.
+
+/// A value given in its unit or as a percentage of something else (`0.45` or `50%`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FloatOrPercent {
+    /// An absolute value in the setting's own unit.
+    Float(f64),
+    /// A percentage of the setting's base; 50 means 50 %.
+    Percent(f64),
+}
+
+impl FloatOrPercent {
+    /// The absolute value for a given base.
+    pub fn of(self, base: f64) -> f64 {
+        match self {
+            Self::Float(v) => v,
+            Self::Percent(p) => base * p / 100.0,
+        }
+    }
+}
+
+use FloatOrPercent::{Float, Percent};
+
+/// Everything a filament job needs to know, one part per stage.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Settings {
+    /// Planes and contours.
+    pub slicing: SlicingSettings,
+    /// Line widths.
+    pub widths: WidthSettings,
+    /// Walls.
+    pub perimeters: PerimeterSettings,
+    /// Skins and infill.
+    pub infill: InfillSettings,
+    /// Skirt.
+    pub adhesion: AdhesionSettings,
+    /// Feed rates.
+    pub speed: SpeedSettings,
+    /// Retraction and travel.
+    pub retraction: RetractionSettings,
+    /// Fan and slow-down.
+    pub cooling: CoolingSettings,
+    /// The filament loaded.
+    pub filament: FilamentSettings,
+    /// The machine.
+    pub printer: PrinterSettings,
+    /// G-code text.
+    pub output: OutputSettings,
+}
+
+/// Planes and contours.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlicingSettings {
+    /// Layer thickness \[mm\].
+    pub layer_height: f64,
+    /// Thickness of the first layer \[mm\], or % of `layer_height`.
+    pub first_layer_height: FloatOrPercent,
+    /// Tolerance of contour simplification \[mm\]; 0 keeps every point.
+    pub resolution: f64,
+    /// Gaps in a contour up to twice this are closed \[mm\].
+    pub slice_closing_radius: f64,
+    /// Grows (+) or shrinks (-) every layer's outline in XY \[mm\].
+    pub xy_size_compensation: f64,
+}
+
+impl Default for SlicingSettings {
+    fn default() -> Self {
+        Self {
+            layer_height: 0.3,
+            first_layer_height: Float(0.35),
+            resolution: 0.0,
+            slice_closing_radius: 0.049,
+            xy_size_compensation: 0.0,
+        }
+    }
+}
+
+/// Line widths \[mm\], or % of the layer height; 0 means automatic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WidthSettings {
+    /// Default for the widths below that are 0.
+    pub extrusion_width: FloatOrPercent,
+    /// All lines of the first layer; 0 leaves the widths below in force.
+    pub first_layer_extrusion_width: FloatOrPercent,
+    /// Inner walls.
+    pub perimeter_extrusion_width: FloatOrPercent,
+    /// Outermost wall.
+    pub external_perimeter_extrusion_width: FloatOrPercent,
+    /// Sparse infill.
+    pub infill_extrusion_width: FloatOrPercent,
+    /// Solid infill.
+    pub solid_infill_extrusion_width: FloatOrPercent,
+    /// Topmost solid infill.
+    pub top_infill_extrusion_width: FloatOrPercent,
+}
+
+impl Default for WidthSettings {
+    fn default() -> Self {
+        let auto = Float(0.0);
+        Self {
+            extrusion_width: auto,
+            first_layer_extrusion_width: Percent(200.0),
+            perimeter_extrusion_width: auto,
+            external_perimeter_extrusion_width: auto,
+            infill_extrusion_width: auto,
+            solid_infill_extrusion_width: auto,
+            top_infill_extrusion_width: auto,
+        }
+    }
+}
+
+/// Walls.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PerimeterSettings {
+    /// Number of walls.
+    pub perimeters: u32,
+    /// Print the outermost wall before the inner ones.
+    pub external_perimeters_first: bool,
+    /// Where loops start.
+    pub seam_position: SeamPosition,
+}
+
+impl Default for PerimeterSettings {
+    fn default() -> Self {
+        Self { perimeters: 3, external_perimeters_first: false, seam_position: SeamPosition::Aligned }
+    }
+}
+
+/// Where loops start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SeamPosition {
+    /// A pseudo-random vertex, derived from the loop's content.
+    Random,
+    /// The best corner near the nozzle.
+    Nearest,
+    /// The best corner near the seam of the layer below.
+    #[default]
+    Aligned,
+    /// The vertex furthest back (largest y).
+    Rear,
+}
+
+/// Skins and infill.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InfillSettings {
+    /// Density of sparse infill \[%\], 0..=100.
+    pub fill_density: f64,
+    /// Pattern of sparse infill.
+    pub fill_pattern: FillPattern,
+    /// Pattern of top skins.
+    pub top_fill_pattern: FillPattern,
+    /// Pattern of bottom skins.
+    pub bottom_fill_pattern: FillPattern,
+    /// Angle of the first family of lines \[degrees\], counter-clockwise from +x.
+    pub fill_angle: f64,
+    /// How far infill reaches into the innermost wall \[mm\], or % of the wall's width.
+    pub infill_overlap: FloatOrPercent,
+    /// Solid layers under every top surface.
+    pub top_solid_layers: u32,
+    /// Solid layers over every bottom surface.
+    pub bottom_solid_layers: u32,
+    /// Least thickness of the top shell \[mm\].
+    pub top_solid_min_thickness: f64,
+    /// Least thickness of the bottom shell \[mm\].
+    pub bottom_solid_min_thickness: f64,
+    /// Sparse areas smaller than this become solid \[mm²\].
+    pub solid_infill_below_area: f64,
+    /// Every N-th layer is solid; 0 = never.
+    pub solid_infill_every_layers: u32,
+    /// Print infill before the walls.
+    pub infill_first: bool,
+}
+
+impl Default for InfillSettings {
+    fn default() -> Self {
+        Self {
+            fill_density: 20.0,
+            fill_pattern: FillPattern::Rectilinear,
+            top_fill_pattern: FillPattern::Monotonic,
+            bottom_fill_pattern: FillPattern::Monotonic,
+            fill_angle: 45.0,
+            infill_overlap: Percent(25.0),
+            top_solid_layers: 3,
+            bottom_solid_layers: 3,
+            top_solid_min_thickness: 0.0,
+            bottom_solid_min_thickness: 0.0,
+            solid_infill_below_area: 70.0,
+            solid_infill_every_layers: 0,
+            infill_first: false,
+        }
+    }
+}
+
+/// Infill patterns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FillPattern {
+    /// Parallel lines, turned by 90 degrees from layer to layer.
+    #[default]
+    Rectilinear,
+    /// Rectilinear, all lines of a region laid in one sweep direction.
+    Monotonic,
+    /// Rectilinear without the turn.
+    AlignedRectilinear,
+}
+
+/// Skirt.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AdhesionSettings {
+    /// Loops around the print; 0 = none.
+    pub skirts: u32,
+    /// Distance between skirt and print \[mm\].
+    pub skirt_distance: f64,
+    /// Layers the skirt stands high.
+    pub skirt_height: u32,
+    /// Least filament extruded in the first layer's skirt \[mm\]; 0 = no minimum.
+    pub min_skirt_length: f64,
+}
+
+impl Default for AdhesionSettings {
+    fn default() -> Self {
+        Self { skirts: 1, skirt_distance: 6.0, skirt_height: 1, min_skirt_length: 0.0 }
+    }
+}
+
+/// Feed rates \[mm/s\].
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpeedSettings {
+    /// Inner walls.
+    pub perimeter_speed: f64,
+    /// Outermost wall; % of `perimeter_speed`.
+    pub external_perimeter_speed: FloatOrPercent,
+    /// Walls of radius up to 6.5 mm; % of `perimeter_speed`.
+    pub small_perimeter_speed: FloatOrPercent,
+    /// Sparse infill.
+    pub infill_speed: f64,
+    /// Solid infill; % of `infill_speed`.
+    pub solid_infill_speed: FloatOrPercent,
+    /// Topmost solid infill; % of `solid_infill_speed`.
+    pub top_solid_infill_speed: FloatOrPercent,
+    /// First layer: an absolute speed, or % of each line's own.
+    pub first_layer_speed: FloatOrPercent,
+    /// Moves without extrusion.
+    pub travel_speed: f64,
+    /// Vertical moves; 0 = `travel_speed`.
+    pub travel_speed_z: f64,
+    /// Limit of volumetric flow \[mm³/s\]; 0 = none.
+    pub max_volumetric_speed: f64,
+}
+
+impl Default for SpeedSettings {
+    fn default() -> Self {
+        Self {
+            perimeter_speed: 60.0,
+            external_perimeter_speed: Percent(50.0),
+            small_perimeter_speed: Float(15.0),
+            infill_speed: 80.0,
+            solid_infill_speed: Float(20.0),
+            top_solid_infill_speed: Float(15.0),
+            first_layer_speed: Float(30.0),
+            travel_speed: 130.0,
+            travel_speed_z: 0.0,
+            max_volumetric_speed: 0.0,
+        }
+    }
+}
+
+/// Retraction and travel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RetractionSettings {
+    /// Filament pulled back \[mm\]; 0 = never retract.
+    pub retract_length: f64,
+    /// Speed of the pull \[mm/s\].
+    pub retract_speed: f64,
+    /// Speed of the push \[mm/s\]; 0 = `retract_speed`.
+    pub deretract_speed: f64,
+    /// Extra filament pushed after a retraction \[mm\].
+    pub retract_restart_extra: f64,
+    /// Travels shorter than this do not retract \[mm\].
+    pub retract_before_travel: f64,
+    /// Nozzle lift during retracted travel \[mm\].
+    pub retract_lift: f64,
+    /// Retract at every layer change.
+    pub retract_layer_change: bool,
+}
+
+impl Default for RetractionSettings {
+    fn default() -> Self {
+        Self {
+            retract_length: 2.0,
+            retract_speed: 40.0,
+            deretract_speed: 0.0,
+            retract_restart_extra: 0.0,
+            retract_before_travel: 2.0,
+            retract_lift: 0.0,
+            retract_layer_change: false,
+        }
+    }
+}
+
+/// Fan and slow-down.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoolingSettings {
+    /// Slow short layers down and drive the fan by layer time.
+    pub cooling: bool,
+    /// Keep the fan at `min_fan_speed` at least.
+    pub fan_always_on: bool,
+    /// Least fan speed \[%\].
+    pub min_fan_speed: f64,
+    /// Fan speed of the shortest layers \[%\].
+    pub max_fan_speed: f64,
+    /// The fan stays off for this many layers.
+    pub disable_fan_first_layers: u32,
+    /// The fan ramps up to full speed at this layer; 0 = no ramp.
+    pub full_fan_speed_layer: u32,
+    /// Layers shorter than this turn the fan on \[s\].
+    pub fan_below_layer_time: f64,
+    /// Layers shorter than this are slowed down \[s\].
+    pub slowdown_below_layer_time: f64,
+    /// The slow-down stops at this speed \[mm/s\].
+    pub min_print_speed: f64,
+}
+
+impl Default for CoolingSettings {
+    fn default() -> Self {
+        Self {
+            cooling: true,
+            fan_always_on: false,
+            min_fan_speed: 35.0,
+            max_fan_speed: 100.0,
+            disable_fan_first_layers: 3,
+            full_fan_speed_layer: 0,
+            fan_below_layer_time: 60.0,
+            slowdown_below_layer_time: 5.0,
+            min_print_speed: 10.0,
+        }
+    }
+}
+
+/// The filament loaded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilamentSettings {
+    /// Diameter \[mm\].
+    pub filament_diameter: f64,
+    /// Density \[g/cm³\]; 0 = unknown.
+    pub filament_density: f64,
+    /// Price \[money/kg\]; 0 = unknown.
+    pub filament_cost: f64,
+    /// Material name, e.g. `PLA`.
+    pub filament_type: String,
+    /// Factor on all flow.
+    pub extrusion_multiplier: f64,
+    /// Limit of volumetric flow \[mm³/s\]; 0 = none.
+    pub filament_max_volumetric_speed: f64,
+    /// Nozzle temperature \[°C\]; 0 leaves it alone.
+    pub temperature: u32,
+    /// Nozzle temperature of the first layer \[°C\].
+    pub first_layer_temperature: u32,
+    /// Bed temperature \[°C\]; 0 leaves it alone.
+    pub bed_temperature: u32,
+    /// Bed temperature of the first layer \[°C\].
+    pub first_layer_bed_temperature: u32,
+}
+
+impl Default for FilamentSettings {
+    fn default() -> Self {
+        Self {
+            filament_diameter: 1.75,
+            filament_density: 0.0,
+            filament_cost: 0.0,
+            filament_type: "PLA".to_owned(),
+            extrusion_multiplier: 1.0,
+            filament_max_volumetric_speed: 0.0,
+            temperature: 200,
+            first_layer_temperature: 200,
+            bed_temperature: 0,
+            first_layer_bed_temperature: 0,
+        }
+    }
+}
+
+/// The machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PrinterSettings {
+    /// How the machine builds; these settings describe filament printers only.
+    pub printer_technology: PrinterTechnology,
+    /// Outline of the bed \[mm\].
+    pub bed_shape: Vec<[f64; 2]>,
+    /// Height of the build volume \[mm\]; 0 = unlimited.
+    pub max_print_height: f64,
+    /// Nozzle bore \[mm\].
+    pub nozzle_diameter: f64,
+    /// Dialect of the firmware.
+    pub gcode_flavor: GcodeFlavor,
+    /// Added to every Z \[mm\].
+    pub z_offset: f64,
+    /// E counts per move (M83) instead of from the start (M82).
+    pub use_relative_e_distances: bool,
+    /// Retract by G10 / G11.
+    pub use_firmware_retraction: bool,
+}
+
+impl Default for PrinterSettings {
+    fn default() -> Self {
+        Self {
+            printer_technology: PrinterTechnology::Fff,
+            bed_shape: vec![[0.0, 0.0], [200.0, 0.0], [200.0, 200.0], [0.0, 200.0]],
+            max_print_height: 200.0,
+            nozzle_diameter: 0.4,
+            gcode_flavor: GcodeFlavor::Reprap,
+            z_offset: 0.0,
+            use_relative_e_distances: false,
+            use_firmware_retraction: false,
+        }
+    }
+}
+
+/// How a machine builds a part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PrinterTechnology {
+    /// Fused filament fabrication: molten plastic, layer by layer.
+    #[default]
+    Fff,
+}
+
+/// Dialect of the firmware.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GcodeFlavor {
+    /// RepRap / Sprinter.
+    #[default]
+    Reprap,
+    /// RepRapFirmware.
+    Reprapfirmware,
+    /// Marlin 1.
+    Marlin,
+    /// Marlin 2.
+    Marlin2,
+    /// Klipper.
+    Klipper,
+}
+
+/// G-code text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputSettings {
+    /// Template written before the print.
+    pub start_gcode: String,
+    /// Template written after the print.
+    pub end_gcode: String,
+    /// Template written before each layer's Z move.
+    pub before_layer_gcode: String,
+    /// Template written after each layer's Z move.
+    pub layer_gcode: String,
+    /// Say what each line does.
+    pub gcode_comments: bool,
+    /// Tolerance of path simplification \[mm\].
+    pub gcode_resolution: f64,
+}
+
+impl Default for OutputSettings {
+    fn default() -> Self {
+        Self {
+            start_gcode: "G28 ; home all axes\nG1 Z5 F5000 ; lift nozzle\n".to_owned(),
+            end_gcode: "M104 S0 ; turn off temperature\nG28 X0  ; home X axis\nM84     ; disable motors\n"
+                .to_owned(),
+            before_layer_gcode: String::new(),
+            layer_gcode: String::new(),
+            gcode_comments: false,
+            gcode_resolution: 0.0125,
+        }
+    }
+}

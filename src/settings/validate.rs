@@ -1,0 +1,262 @@
+//! Checks of settings against each other, after all values have been read.
+
+use super::assign::Warning;
+use super::flow::{Flow, FlowRole};
+use super::load::SettingsError;
+use super::types::{FloatOrPercent, GcodeFlavor, Settings};
+
+/// A value that cannot work together with others.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{key} = {value}: {problem}; {remedy}")]
+pub struct Invalid {
+    /// The setting to change.
+    pub key: &'static str,
+    /// Its value.
+    pub value: String,
+    /// What is wrong.
+    pub problem: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+/// A line wider than this many nozzle bores is a slip of the keyboard.
+const MAX_WIDTH_IN_NOZZLES: f64 = 5.0;
+/// The lattice reaches 2^30 nm to either side of the bed's centre.
+const MAX_BED: f64 = 2000.0;
+
+impl Settings {
+    /// Checks what no range of a single value can: layers against the nozzle, widths against layers, speeds, bed.
+    ///
+    /// # Errors
+    /// [`SettingsError::Invalid`] with the first contradiction.
+    pub fn validate(&self) -> Result<Vec<Warning>, SettingsError> {
+        self.check_layers()?;
+        self.check_widths()?;
+        self.check_speeds()?;
+        self.check_bed()?;
+        self.check_extrusion()?;
+        Ok(self.oddities())
+    }
+
+    fn invalid(
+        &self,
+        key: &'static str,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> SettingsError {
+        let (problem, remedy) = (problem.into(), remedy.into());
+        SettingsError::Invalid(Invalid { key, value: self.get(key).unwrap_or_default(), problem, remedy })
+    }
+
+    /// Thickness of the first layer \[mm\].
+    fn first_height(&self) -> f64 {
+        self.slicing.first_layer_height.of(self.slicing.layer_height)
+    }
+
+    fn check_layers(&self) -> Result<(), SettingsError> {
+        let nozzle = self.printer.nozzle_diameter;
+        for (key, height) in
+            [("layer_height", self.slicing.layer_height), ("first_layer_height", self.first_height())]
+        {
+            // `is_nan` and the like are covered: a comparison with them is false.
+            if !(height > 0.0 && height.is_finite()) {
+                return Err(self.invalid(key, "the layer has no thickness", "give a height above 0"));
+            }
+            if height > nozzle {
+                let problem =
+                    format!("thicker than the nozzle's bore ({nozzle} mm), so layers would not bond");
+                return Err(self.invalid(key, problem, format!("at most {nozzle}, or set nozzle_diameter")));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_widths(&self) -> Result<(), SettingsError> {
+        let nozzle = self.printer.nozzle_diameter;
+        let roles = [
+            (FlowRole::ExternalPerimeter, "external_perimeter_extrusion_width"),
+            (FlowRole::Perimeter, "perimeter_extrusion_width"),
+            (FlowRole::Infill, "infill_extrusion_width"),
+            (FlowRole::SolidInfill, "solid_infill_extrusion_width"),
+            (FlowRole::TopSolidInfill, "top_infill_extrusion_width"),
+        ];
+        for first in [true, false] {
+            let height = if first { self.first_height() } else { self.slicing.layer_height };
+            for (role, own) in roles {
+                let flow = Flow::new(role, height, first, self);
+                let key = self.width_key(own, height, first);
+                let layer = if first { "first layer" } else { "layers" };
+                if !(flow.width >= height && flow.spacing() > 0.0) {
+                    let problem = format!(
+                        "gives lines {:.3} mm wide, narrower than the {layer} of {height} mm",
+                        flow.width
+                    );
+                    return Err(self.invalid(key, problem, format!("at least {height}, or 0 for automatic")));
+                }
+                if flow.width > MAX_WIDTH_IN_NOZZLES * nozzle {
+                    let problem =
+                        format!("gives lines {:.3} mm wide from a nozzle of {nozzle} mm", flow.width);
+                    let most = MAX_WIDTH_IN_NOZZLES * nozzle;
+                    return Err(self.invalid(key, problem, format!("at most {most:.3}, or 0 for automatic")));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The key that decides a role's width: the order of [`Flow::new`].
+    fn width_key(&self, own: &'static str, height: f64, first: bool) -> &'static str {
+        let given = |v: FloatOrPercent| v.of(height) > 0.0;
+        let w = &self.widths;
+        let own_width = match own {
+            "external_perimeter_extrusion_width" => w.external_perimeter_extrusion_width,
+            "perimeter_extrusion_width" => w.perimeter_extrusion_width,
+            "infill_extrusion_width" => w.infill_extrusion_width,
+            "solid_infill_extrusion_width" => w.solid_infill_extrusion_width,
+            _ => w.top_infill_extrusion_width,
+        };
+        if first && given(w.first_layer_extrusion_width) {
+            "first_layer_extrusion_width"
+        } else if given(own_width) || !given(w.extrusion_width) {
+            own
+        } else {
+            "extrusion_width"
+        }
+    }
+
+    fn check_speeds(&self) -> Result<(), SettingsError> {
+        let s = &self.speed;
+        let solid = s.solid_infill_speed.of(s.infill_speed);
+        let speeds = [
+            ("perimeter_speed", s.perimeter_speed),
+            ("external_perimeter_speed", s.external_perimeter_speed.of(s.perimeter_speed)),
+            ("small_perimeter_speed", s.small_perimeter_speed.of(s.perimeter_speed)),
+            ("infill_speed", s.infill_speed),
+            ("solid_infill_speed", solid),
+            ("top_solid_infill_speed", s.top_solid_infill_speed.of(solid)),
+            ("first_layer_speed", s.first_layer_speed.of(s.perimeter_speed)),
+            ("travel_speed", s.travel_speed),
+        ];
+        match speeds.iter().find(|(_, v)| !(*v > 0.0 && v.is_finite())) {
+            Some((key, _)) => {
+                let problem = "stands still (automatic speed is not supported yet)";
+                Err(self.invalid(key, problem, "give a speed above 0 mm/s"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn check_bed(&self) -> Result<(), SettingsError> {
+        let points = &self.printer.bed_shape;
+        if points.len() < 3 {
+            return Err(self.invalid(
+                "bed_shape",
+                "fewer than 3 points",
+                "give the corners: 0x0,200x0,200x200,0x200",
+            ));
+        }
+        let size = |axis: usize| {
+            let of = |p: &[f64; 2]| p.get(axis).copied().unwrap_or_default();
+            let (min, max) =
+                points.iter().map(of).fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(v), b.max(v)));
+            max - min
+        };
+        if size(0) > MAX_BED || size(1) > MAX_BED {
+            let problem = format!("larger than {MAX_BED} mm");
+            return Err(self.invalid("bed_shape", problem, "is the unit millimetres?"));
+        }
+        // Shoelace formula, twice the area.
+        let next = points.iter().cycle().skip(1);
+        let area: f64 = points.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum();
+        if area.abs() < 2.0 {
+            return Err(self.invalid(
+                "bed_shape",
+                "encloses less than 1 mm²",
+                "give the corners in order around the bed",
+            ));
+        }
+        Ok(())
+    }
+
+    fn check_extrusion(&self) -> Result<(), SettingsError> {
+        let i = &self.infill;
+        let skins = i.top_solid_layers > 0 || i.bottom_solid_layers > 0 || i.solid_infill_every_layers > 0;
+        let min_skins = i.top_solid_min_thickness > 0.0 || i.bottom_solid_min_thickness > 0.0;
+        if self.perimeters.perimeters == 0 && i.fill_density <= 0.0 && !skins && !min_skins {
+            let problem = "with fill_density = 0% and no solid layers nothing would be printed";
+            return Err(self.invalid("perimeters", problem, "at least 1, or fill_density above 0"));
+        }
+        let r = &self.retraction;
+        if r.retract_length > 0.0 && r.retract_speed <= 0.0 && !self.printer.use_firmware_retraction {
+            return Err(self.invalid(
+                "retract_speed",
+                "retraction stands still",
+                "give a speed above 0 mm/s",
+            ));
+        }
+        if self.printer.use_firmware_retraction && self.printer.gcode_flavor == GcodeFlavor::Reprap {
+            let remedy = "set gcode_flavor to your firmware's, or use_firmware_retraction = 0";
+            return Err(self.invalid(
+                "use_firmware_retraction",
+                "the reprap flavor has no G10 and G11",
+                remedy,
+            ));
+        }
+        let c = &self.cooling;
+        if c.min_fan_speed > c.max_fan_speed {
+            let problem = format!("above max_fan_speed = {}", c.max_fan_speed);
+            return Err(self.invalid("min_fan_speed", problem, "swap the two or make them equal"));
+        }
+        for (key, template) in [
+            ("before_layer_gcode", &self.output.before_layer_gcode),
+            ("layer_gcode", &self.output.layer_gcode),
+        ] {
+            if !self.printer.use_relative_e_distances && resets_e(template) {
+                let problem = "G92 E0 at each layer contradicts absolute E distances";
+                return Err(self.invalid(key, problem, "remove it or set use_relative_e_distances = 1"));
+            }
+        }
+        Ok(())
+    }
+
+    /// What is allowed and probably not meant.
+    fn oddities(&self) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        let mut warn = |key: &str, message: &str| {
+            warnings.push(Warning::new(key, &self.get(key).unwrap_or_default(), message));
+        };
+        let (f, o) = (&self.filament, &self.output);
+        if f.first_layer_temperature == 0 && !code_in(&o.start_gcode, &["M104", "M109"]) {
+            warn("first_layer_temperature", "the nozzle will not be heated; give the filament's temperature");
+        } else if f.temperature == 0 && f.first_layer_temperature > 0 {
+            warn("temperature", "the nozzle stays at first_layer_temperature after the first layer");
+        }
+        if self.perimeters.perimeters == 0 {
+            warn("perimeters", "the print has no walls");
+        }
+        if self.printer.use_firmware_retraction && self.retraction.retract_length <= 0.0 {
+            warn(
+                "use_firmware_retraction",
+                "has no effect while retract_length is 0; the firmware sets the length",
+            );
+        }
+        if self.slicing.layer_height > 0.8 * self.printer.nozzle_diameter {
+            warn("layer_height", "above 80% of the nozzle's bore; layers may bond badly");
+        }
+        warnings
+    }
+}
+
+/// Whether a line of the template resets the extruder: `G92 E0`, comments aside.
+fn resets_e(template: &str) -> bool {
+    template.lines().any(|line| {
+        let mut words = line.split(';').next().unwrap_or_default().split_ascii_whitespace();
+        words.next().is_some_and(|w| w.eq_ignore_ascii_case("G92"))
+            && words.any(|w| matches!(w.strip_prefix(['E', 'e']).map(str::parse::<f64>), Some(Ok(0.0))))
+    })
+}
+
+/// Whether a line of the template starts with one of the codes.
+fn code_in(template: &str, codes: &[&str]) -> bool {
+    template.lines().filter_map(|l| l.split_ascii_whitespace().next()).any(|w| codes.contains(&w))
+}
