@@ -90,9 +90,10 @@ fn flag(key: &'static Key) -> Arg {
     match key.kind {
         // The value needs its "=", or `--cooling part.stl` would eat the file.
         Kind::Flag => arg.num_args(0..=1).require_equals(true).default_missing_value("1"),
-        // "-5" is then refused by the range, which says what is allowed.
         Kind::Text | Kind::Choice(..) => arg,
-        _ => arg.allow_hyphen_values(true),
+        Kind::Points(..) => arg.allow_hyphen_values(true),
+        // Where "-5" makes no sense the range refuses it, and says what is allowed.
+        _ => arg.allow_negative_numbers(true),
     }
 }
 
@@ -116,15 +117,16 @@ fn value_name(kind: &Kind) -> &'static str {
 }
 
 fn help(key: &Key) -> String {
-    let choices = match key.kind {
-        Kind::Choice(names, _) => format!(" ({})", names.join(", ")),
-        _ if key.unit.is_empty() => String::new(),
-        _ => format!(" [{}]", key.unit),
+    let unit = match key.kind {
+        Kind::Choice(names, _) => names.join(", "),
+        // The default shows the sign.
+        Kind::Percent(..) => String::new(),
+        _ => key.unit.to_owned(),
     };
-    match key.default_text() {
-        default if default.is_empty() => format!("{}{choices}", key.help),
-        default => format!("{}{choices} (default {default})", key.help),
-    }
+    let default = key.default_text();
+    let default = if default.is_empty() { default } else { format!("default {default}") };
+    let facts: Vec<String> = [unit, default].into_iter().filter(|f| !f.is_empty()).collect();
+    if facts.is_empty() { key.help.to_owned() } else { format!("{} ({})", key.help, facts.join("; ")) }
 }
 
 impl clap::Args for SettingFlags {
@@ -200,5 +202,100 @@ impl SettingFlags {
 fn warning(assigned: Assigned) -> Option<Warning> {
     match assigned {
         Assigned::Applied(warning) | Assigned::NotHonoured(warning) => warning,
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        settings: SettingFlags,
+        model: Option<String>,
+    }
+
+    fn apply_line(line: &[&str]) -> Result<(Settings, FlagReport, Option<String>), String> {
+        let parsed = Line::try_parse_from([&["slice"], line].concat()).map_err(|e| e.to_string())?;
+        let mut settings = Settings::default();
+        let report = parsed.settings.apply(&mut settings).map_err(|e| e.to_string())?;
+        Ok((settings, report, parsed.model))
+    }
+
+    #[test]
+    fn clap_accepts_the_definition() {
+        use clap::CommandFactory;
+        Line::command().debug_assert();
+        let help = Line::command().render_long_help().to_string();
+        assert!(KEYS.iter().all(|k| help.contains(&format!("--{}", dashed(k)))));
+        assert!(help.contains("Printer settings:"));
+    }
+
+    #[test]
+    fn each_key_has_a_flag_that_takes_its_default() {
+        for key in KEYS {
+            let arg = format!("--{}={}", dashed(key), key.default_text());
+            let (settings, ..) = apply_line(&[&arg]).unwrap();
+            assert_eq!(settings, Settings::default(), "{arg}");
+        }
+    }
+
+    #[test]
+    fn values_come_separately_or_after_an_equals_sign() {
+        let (s, _, model) = apply_line(&[
+            "--layer-height",
+            "0.2",
+            "--fill_density=15%",
+            "--z-offset",
+            "-0.1",
+            "--bed-shape",
+            "-50x-50,50x-50,50x50",
+            "--external-perimeters-first",
+            "part.stl",
+        ])
+        .unwrap();
+        assert_eq!((s.slicing.layer_height, s.infill.fill_density, s.printer.z_offset), (0.2, 15.0, -0.1));
+        assert_eq!(s.printer.bed_shape[0], [-50.0, -50.0]);
+        assert!(s.perimeters.external_perimeters_first);
+        assert_eq!(model.as_deref(), Some("part.stl"));
+        assert!(!apply_line(&["--cooling=0"]).unwrap().0.cooling.cooling);
+        let last = apply_line(&["--perimeters", "2", "--perimeters", "4"]).unwrap().0;
+        assert_eq!(last.perimeters.perimeters, 4);
+    }
+
+    #[test]
+    fn files_then_flags_then_set() {
+        let file = tempfile::Builder::new().suffix(".ini").tempfile().unwrap();
+        std::fs::write(file.path(), "perimeters = 5\nskirts = 5\ninfill_speed = 55\nbrim_width = 3\n")
+            .unwrap();
+        let path = file.path().to_str().unwrap();
+        let (s, report, _) =
+            apply_line(&["--set", "perimeters=7", "--perimeters=6", "--skirts=6", "--load", path]).unwrap();
+        assert_eq!((s.perimeters.perimeters, s.adhesion.skirts, s.speed.infill_speed), (7, 6, 55.0));
+        assert_eq!(report.files[0].1.applied, 3);
+        assert_eq!(report.warnings.len(), 1);
+        assert_eq!(report.warnings[0].place, format!("{path}:4"));
+    }
+
+    #[test]
+    fn refusals_name_the_flag() {
+        let error = |line: &[&str]| apply_line(line).err().unwrap_or_default();
+        assert_eq!(
+            error(&["--layer-height", "abc"]),
+            "--layer-height: layer_height = \"abc\" is not a number; allowed: a number (mm) from 0.01 to 10"
+        );
+        assert!(
+            error(&["--perimeters", "-1"]).contains("is too small; allowed: a whole number from 0 to 1000")
+        );
+        assert!(error(&["--fill-pattern", "gyroid"]).contains("not supported yet; allowed: rectilinear"));
+        assert!(error(&["--set", "layer_hight=0.2"]).contains("did you mean layer_height?"));
+        assert!(error(&["--set", "layer_height"]).contains("key=value"));
+        assert!(error(&["--load", "/nonexistent/x.ini"]).starts_with("/nonexistent/x.ini: cannot read"));
+        // Known, but without effect: a warning and no error.
+        let (_, report, _) = apply_line(&["--set", "support_material=1"]).unwrap();
+        assert_eq!(report.warnings[0].key, "support_material");
     }
 }

@@ -156,3 +156,113 @@ fn brief(text: &str) -> String {
     let short: String = text.chars().take(60).map(|c| if c.is_control() { ' ' } else { c }).collect();
     if text.chars().nth(60).is_some() { short + "..." } else { short }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn lookup(name: &str) -> Option<String> {
+        let value = match name {
+            "layer_height" => "0.2",
+            "temperature" | "temperature[0]" => "210",
+            "layer_num" => "7",
+            "first_layer_print_min[0]" => "10.5",
+            "first_layer_print_min[1]" => "20.5",
+            "note" => "[not] {expanded}",
+            "speed_2" => "fast",
+            _ => return None,
+        };
+        Some(value.to_owned())
+    }
+
+    fn expanded(text: &str) -> Result<String, TemplateError> {
+        expand("start_gcode", text, &lookup)
+    }
+
+    #[test]
+    fn names_become_values() {
+        for (text, value) in [
+            ("", ""),
+            ("G28 ; home\n", "G28 ; home\n"),
+            ("M104 S[temperature]", "M104 S210"),
+            ("M104 S{ temperature }|{temperature[0]}|[temperature_0]", "M104 S210|210|210"),
+            ("[ layer_height ]{layer_height[0]}", "0.20.2"),
+            ("X{first_layer_print_min[0]} Y{first_layer_print_min[ 1 ]}", "X10.5 Y20.5"),
+            ("X[first_layer_print_min_0] Y[first_layer_print_min_1]", "X10.5 Y20.5"),
+            ("[speed_2]", "fast"),
+            ("; a ] and a } alone, layer [layer_num]", "; a ] and a } alone, layer 7"),
+            ("[note]", "[not] {expanded}"),
+            ("M117 größer {layer_num}\r\n", "M117 größer 7\r\n"),
+        ] {
+            assert_eq!(expanded(text).as_deref(), Ok(value), "{text}");
+        }
+    }
+
+    #[test]
+    fn anything_else_is_an_error_with_its_place() {
+        let not_a_name = |expression: &str| TemplateError::NotAName {
+            template: "start_gcode".to_owned(),
+            line: 3,
+            expression: expression.to_owned(),
+        };
+        for expression in [
+            "{if layer_num > 0}",
+            "{endif}",
+            "{layer_num+1}",
+            "{temperature[initial_tool]}",
+            "[temperature[0]]",
+            "[]",
+            "{}",
+            "{ }",
+            "{-1}",
+            "[7]",
+            "{\"a\":1}",
+            "{a b}",
+            "{1 < 2}",
+            "{[x]}",
+            "{temperature[0][0]}",
+            "{temperature[-1]}",
+            "{größe}",
+        ] {
+            assert_eq!(
+                expanded(&format!("G28\n; [layer_num]\nG1 {expression} X")),
+                Err(not_a_name(expression))
+            );
+        }
+        let error = expanded("G28\n; M117 [x]").unwrap_err();
+        assert_eq!(error.to_string(), "start_gcode, line 2: \"[x]\" names no setting or value of this print");
+        let error = expanded("\n\n{temperature[1]}").unwrap_err();
+        assert!(matches!(error, TemplateError::Unknown { line: 3, .. }), "{error}");
+        for text in ["[layer_num", "{", "{layer_num]", "[layer_num}", "{a[0}", "{a\n[0]\n"] {
+            assert!(matches!(expanded(text), Err(TemplateError::Unclosed { line: 1, .. })), "{text}");
+        }
+    }
+
+    #[test]
+    fn an_expression_over_several_lines_is_reported_on_one() {
+        let error = expanded("{if a\nthen b\nendif}").unwrap_err().to_string();
+        assert_eq!(error.lines().count(), 1);
+        assert!(error.contains("only plain names"), "{error}");
+    }
+
+    #[test]
+    fn random_text_never_panics() {
+        let alphabet: Vec<char> = "[]{}_0189aé \n\\;\"".chars().collect();
+        for seed in 0..2000_u64 {
+            let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+            let text: String = (0..30)
+                .filter_map(|_| {
+                    state ^= state << 13;
+                    state ^= state >> 7;
+                    state ^= state << 17;
+                    alphabet.get((state % alphabet.len() as u64) as usize)
+                })
+                .collect();
+            match expanded(&text) {
+                Ok(out) => assert!(!out.contains('['), "seed {seed}: {text}"),
+                Err(error) => assert_eq!(error.to_string().lines().count(), 1, "seed {seed}: {text}"),
+            }
+        }
+    }
+}

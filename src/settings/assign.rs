@@ -97,13 +97,14 @@ impl Settings {
     /// # Errors
     /// [`ValueError`]; the settings are then unchanged.
     pub fn assign(&mut self, key: &str, value: &str) -> Result<Assigned, ValueError> {
-        let value = value.trim();
         let Some(row) = keys::find(key) else {
             return match foreign::find(key) {
-                Some(f) => Ok(Assigned::NotHonoured(f.warning(value))),
+                Some(f) => Ok(Assigned::NotHonoured(f.warning(value.trim()))),
                 None => Err(ValueError::Unknown { key: brief(key), suggestion: suggest::nearest(key) }),
             };
         };
+        // Blanks around a template are part of it.
+        let value = if row.kind == Kind::Text && !row.per_extruder { value } else { value.trim() };
         let allowed = || row.kind.allowed(row.unit);
         let bad =
             |problem| ValueError::Bad { key: row.name, value: brief(value), problem, allowed: allowed() };

@@ -22,8 +22,8 @@ impl Foreign {
         let off = self.off?;
         // Lists per extruder ask for nothing if no entry does; `nil` leaves an override unset.
         let idle = |v: &str| v.is_empty() || v == "\"\"" || v == "nil" || off.iter().any(|o| same(o, v));
-        let asks = !value.split(',').all(|v| idle(v.trim()));
-        asks.then(|| Warning::new(self.name, value, "not supported yet and left out"))
+        let asks = !idle(value) && !value.split([',', ';']).all(|v| idle(v.trim()));
+        asks.then(|| Warning::new(self.name, value, "not supported yet, so it has no effect"))
     }
 }
 
@@ -94,7 +94,7 @@ pub static FOREIGN: &[Foreign] = &[
     seen("elefant_foot_compensation", &["0"]),
     quiet("enable_dynamic_fan_speeds"),
     seen("enable_dynamic_overhang_speeds", &["0"]),
-    quiet("end_filament_gcode"),
+    seen("end_filament_gcode", &[r#""; Filament-specific end gcode \n;END gcode for filament\n""#]),
     seen("ensure_vertical_shell_thickness", &["0", "disabled"]),
     quiet("external_perimeter_acceleration"),
     quiet("extra_loading_move"),
@@ -278,7 +278,7 @@ pub static FOREIGN: &[Foreign] = &[
     seen("spiral_vase", &["0"]),
     quiet("staggered_inner_seams"),
     quiet("standby_temperature_delta"),
-    quiet("start_filament_gcode"),
+    seen("start_filament_gcode", &[r#""; Filament gcode\n""#]),
     seen("support_material", &["0"]),
     quiet("support_material_angle"),
     quiet("support_material_auto"),

@@ -102,7 +102,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// What may be written, with the unit, e.g. `a number of mm from 0.01 to 10`.
+    /// What may be written, with the unit, e.g. `a number (mm) from 0.01 to 10`.
     pub fn allowed(&self, unit: &str) -> String {
         let of = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
         match *self {

@@ -76,7 +76,12 @@ texts on one line with `\\n` for a new line. A key marked \\* may have an entry 
 
 A file is TOML, a flat PrusaSlicer `.ini`, or a G-code file with PrusaSlicer's config block. In TOML the keys stand
 at the top or in the tables named below; numbers, booleans and texts are TOML's own, and points are
-`[[0, 0], [200, 0], ...]`.
+`[[0, 0], [200, 0], ...]`. Where the table `[perimeters]` is used, the key `perimeters` stands in it. Of a G-code file
+only the lines between `; prusaslicer_config = begin` and `end` are read. A choice of PrusaSlicer's that is not supported
+yet, such as `fill_pattern = gyroid`, is an error on the command line; in a file it becomes the default, with a warning.
+
+A file's keys fall in three classes: applied; known to PrusaSlicer but not honoured here; unknown. The last two are
+counted, not refused, so that a file of another version loads. On the command line an unknown key is an error.
 
 G-code templates may use `[name]` or `{name}` for each setting on this page, `[name_0]` or `{name[0]}` for a key marked
 \\*, and the values of the print such as `layer_num` and `layer_z`. As in PrusaSlicer a `[` or `{` starts a name

@@ -118,9 +118,13 @@ pub fn load_bytes(path: &Path, bytes: &[u8], settings: &mut Settings) -> Result<
                 report.ignored.push((entry.line, entry.key));
                 warning
             }
-            Err(ValueError::Unknown { key, .. }) => {
+            Err(ValueError::Unknown { key, suggestion }) => {
+                // Files of other versions hold many unknown keys; one that looks like a slip is worth a word.
+                let slip = suggestion.filter(|s| keys::find(s).is_some());
+                let warning = slip
+                    .map(|s| Warning::new(&key, &entry.value, format!("no such setting; did you mean {s}?")));
                 report.unknown.push((entry.line, key));
-                None
+                warning
             }
             Err(ValueError::NotYet { key, .. }) => {
                 report.applied += 1;

@@ -25,3 +25,6 @@ pub use list::{reference, terminal_list};
 pub use load::{LoadReport, SettingsError, load_bytes, load_file};
 pub use types::*;
 pub use validate::Invalid;
+
+#[cfg(test)]
+mod tests;

@@ -7,7 +7,7 @@ use super::keys::KEYS;
 pub fn nearest(name: &str) -> Option<&'static str> {
     let typed: Vec<char> =
         name.chars().take(80).map(|c| if c == '-' { '_' } else { c.to_ascii_lowercase() }).collect();
-    let limit = 2.max(typed.len() / 4);
+    let limit = (typed.len() / 4).clamp(2, 3);
     let known = KEYS.iter().map(|k| k.name).chain(FOREIGN.iter().map(|f| f.name));
     // `min_by_key` keeps the first of equals.
     known

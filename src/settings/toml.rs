@@ -4,7 +4,7 @@
 //! `[[0, 0], [200, 0], ...]` and lists per extruder `[0.4, 0.4]`. Any value may also be a text in
 //! PrusaSlicer's syntax, such as `"20%"`.
 
-use super::assign::quote;
+use super::assign::{brief, quote};
 use super::keys;
 use super::kind::{Kind, Stage};
 use super::load::{Entry, Malformed};
@@ -32,8 +32,7 @@ pub fn entries(text: &str) -> Result<Vec<Entry>, Malformed> {
         let name = key.get_ref();
         if Stage::ALL.iter().all(|s| s.name() != name) {
             let names: Vec<_> = Stage::ALL.iter().map(|s| s.name()).collect();
-            let message =
-                format!("there is no table [{}]; tables: {}", name.escape_debug(), names.join(", "));
+            let message = format!("there is no table [{}]; tables: {}", brief(name), names.join(", "));
             return Err(Malformed { line: line_of(key.span().start), message });
         }
         found.extend(stage);
@@ -45,7 +44,11 @@ pub fn entries(text: &str) -> Result<Vec<Entry>, Malformed> {
             Some(value) => Ok(Entry { line, key, value }),
             None => Err(Malformed {
                 line,
-                message: format!("{} cannot be {}", key.escape_debug(), value.get_ref().type_str()),
+                message: format!(
+                    "{} has a {} for its value, which no setting has",
+                    brief(&key),
+                    value.get_ref().type_str()
+                ),
             }),
         }
     };

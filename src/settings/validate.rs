@@ -260,3 +260,100 @@ fn resets_e(template: &str) -> bool {
 fn code_in(template: &str, codes: &[&str]) -> bool {
     template.lines().filter_map(|l| l.split_ascii_whitespace().next()).any(|w| codes.contains(&w))
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used)]
+mod tests {
+    use super::*;
+
+    fn with(values: &[(&str, &str)]) -> Result<Vec<Warning>, String> {
+        let mut s = Settings::default();
+        for (key, value) in values {
+            s.set(key, value).unwrap();
+        }
+        s.validate().map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn the_defaults_are_sound() {
+        assert_eq!(with(&[]), Ok(Vec::new()));
+    }
+
+    #[test]
+    fn contradictions_name_the_setting_to_change() {
+        let cases: &[(&[(&str, &str)], &str)] = &[
+            (&[("layer_height", "0.5")], "layer_height = 0.5: thicker than the nozzle's bore (0.4 mm)"),
+            (&[("first_layer_height", "200%")], "first_layer_height = 200%: thicker than"),
+            (
+                &[("extrusion_width", "0.2"), ("first_layer_extrusion_width", "0")],
+                "extrusion_width = 0.2: gives lines 0.200 mm wide, narrower than the first layer",
+            ),
+            (
+                &[("first_layer_extrusion_width", "50%")],
+                "first_layer_extrusion_width = 50%: gives lines 0.175 mm",
+            ),
+            (&[("infill_extrusion_width", "0.25")], "infill_extrusion_width = 0.25: gives lines"),
+            (
+                &[("top_infill_extrusion_width", "1000%")],
+                "top_infill_extrusion_width = 1000%: gives lines 3.000 mm wide from a nozzle of 0.4 mm; at most 2.000",
+            ),
+            (&[("perimeter_speed", "0")], "perimeter_speed = 0: stands still"),
+            (&[("external_perimeter_speed", "0%")], "external_perimeter_speed = 0%: stands still"),
+            (&[("travel_speed", "0")], "travel_speed = 0: stands still"),
+            (&[("bed_shape", "0x0,10x10")], "bed_shape = 0x0,10x10: fewer than 3 points"),
+            (&[("bed_shape", "0x0,10x10,20x20")], "bed_shape = 0x0,10x10,20x20: encloses less than 1 mm²"),
+            (&[("bed_shape", "0x0,9000x0,0x9000")], "bed_shape = 0x0,9000x0,0x9000: larger than 2000 mm"),
+            (
+                &[
+                    ("perimeters", "0"),
+                    ("fill_density", "0"),
+                    ("top_solid_layers", "0"),
+                    ("bottom_solid_layers", "0"),
+                ],
+                "perimeters = 0: with fill_density = 0% and no solid layers nothing",
+            ),
+            (&[("retract_speed", "0")], "retract_speed = 0: retraction stands still"),
+            (
+                &[("use_firmware_retraction", "1")],
+                "use_firmware_retraction = 1: the reprap flavor has no G10",
+            ),
+            (
+                &[("min_fan_speed", "90"), ("max_fan_speed", "50")],
+                "min_fan_speed = 90: above max_fan_speed = 50",
+            ),
+            (&[("layer_gcode", "; x\\n g92 X1 e0.0 ; reset")], "layer_gcode = ; x"),
+        ];
+        for (values, message) in cases {
+            let error = with(values).expect_err(message);
+            assert!(error.starts_with(message), "{error}");
+            assert!(error.contains("; ") && error.lines().count() == 1, "{error}");
+        }
+    }
+
+    #[test]
+    fn their_neighbours_are_allowed() {
+        let cases: &[&[(&str, &str)]] = &[
+            &[("layer_height", "0.3"), ("nozzle_diameter", "0.4")],
+            &[("first_layer_height", "100%")],
+            &[("retract_speed", "0"), ("retract_length", "0")],
+            &[("use_firmware_retraction", "1"), ("gcode_flavor", "marlin2")],
+            &[("layer_gcode", "G92 E0"), ("use_relative_e_distances", "1")],
+            &[("layer_gcode", "; G92 E0\\nG92 E1\\nG92 X0")],
+            &[("fill_density", "0"), ("travel_speed_z", "0"), ("max_print_height", "0")],
+            &[("bed_shape", "0x0,0x200,200x200,200x0")],
+        ];
+        for values in cases {
+            assert_eq!(with(values), Ok(Vec::new()), "{values:?}");
+        }
+    }
+
+    #[test]
+    fn oddities_are_only_warned_of() {
+        let keys = |values| with(values).unwrap().into_iter().map(|w| w.key).collect::<Vec<_>>();
+        assert_eq!(keys(&[("first_layer_temperature", "0")]), ["first_layer_temperature"]);
+        assert_eq!(keys(&[("first_layer_temperature", "0"), ("start_gcode", "G28\\nM109 S200")]), [""; 0]);
+        assert_eq!(keys(&[("temperature", "0")]), ["temperature"]);
+        assert_eq!(keys(&[("perimeters", "0")]), ["perimeters"]);
+        assert_eq!(keys(&[("layer_height", "0.35")]), ["layer_height"]);
+    }
+}
