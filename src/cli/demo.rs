@@ -137,9 +137,11 @@ fn adapters() -> Vec<String> {
 
 /// The part on the left; on the right the layer with the most kinds of line.
 fn draw(layers: &[PrintLayer], settings: &Settings) -> image::RgbImage {
-    let part = picture::part::render(&mesh::demo_part(), PANEL.0, PANEL.1, Some(settings.slicing.layer_height));
+    let part =
+        picture::part::render(&mesh::demo_part(), PANEL.0, PANEL.1, Some(settings.slicing.layer_height));
     let telling = layers.iter().max_by_key(|l| {
-        let kinds: std::collections::BTreeSet<_> = l.islands.iter().flat_map(|i| &i.fills).map(|f| f.kind).collect();
+        let kinds: std::collections::BTreeSet<_> =
+            l.islands.iter().flat_map(|i| &i.fills).map(|f| f.kind).collect();
         let lines: usize = l.islands.iter().map(|i| i.fills.len().min(40) + i.walls.len()).sum();
         (kinds.len(), lines)
     });
@@ -153,7 +155,7 @@ fn strokes(layer: &PrintLayer, settings: &Settings) -> Vec<Stroke> {
     let stroke = |role: Role, points: Vec<_>| Stroke {
         points,
         width: Flow::new(role.flow(), height, false, settings).width * crate::lattice::NM_PER_MM,
-        color: role.color(),
+        color: picture::strokes::color(role),
     };
     let mut all = Vec::new();
     for island in &layer.islands {

@@ -1,5 +1,6 @@
 //! Exit codes: what a script can tell from them.
 
+use super::setting_flags::FlagError;
 use crate::job::JobError;
 use std::process::ExitCode;
 use thiserror::Error;
@@ -18,12 +19,20 @@ A message on stderr names the file, the place and the remedy. With any code but 
 /// Why a command ended early.
 #[derive(Debug, Error)]
 pub enum CliError {
-    /// The command line was not understood.
-    #[error("{0}")]
-    Usage(String),
+    /// A setting on the command line, or in a file that it names, is wrong.
+    #[error(transparent)]
+    Setting(#[from] FlagError),
     /// A job failed.
     #[error(transparent)]
     Job(#[from] JobError),
+    /// A device gave other bytes than the CPU.
+    #[error(
+        "{adapter} gave other bytes than the CPU; please report this with the output of `microtome devices`; use --backend cpu"
+    )]
+    Differs {
+        /// The device.
+        adapter: String,
+    },
     /// Standard output could not be written.
     #[error("cannot write to standard output: {0}")]
     Stdout(#[from] std::io::Error),
@@ -33,11 +42,16 @@ impl CliError {
     /// The exit code of this failure; 0 where only the reader of a pipe has gone.
     pub fn code(&self) -> ExitCode {
         ExitCode::from(match self {
-            Self::Usage(_) => 2,
+            Self::Setting(_) => 4,
+            Self::Differs { .. } => 5,
             Self::Stdout(e) if e.kind() == std::io::ErrorKind::BrokenPipe => 0,
             Self::Stdout(_) => 6,
             Self::Job(e) => match e {
-                JobError::Mesh(_) | JobError::Place(_) | JobError::Planes(_) | JobError::Empty { .. } => 3,
+                JobError::Mesh(_)
+                | JobError::Place(_)
+                | JobError::Planes(_)
+                | JobError::Trace(_)
+                | JobError::Empty { .. } => 3,
                 JobError::Settings(_) | JobError::Template(_) => 4,
                 #[cfg(feature = "gpu")]
                 JobError::Device(_) => 5,

@@ -1,3 +1,79 @@
 //! The command line.
 
+pub mod demo;
+pub mod devices;
+pub mod exit;
+pub mod options;
+pub mod progress;
+pub mod report;
 pub mod setting_flags;
+pub mod slice;
+
+use clap::{Parser, Subcommand};
+use exit::CliError;
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Slices triangle meshes for 3D printers, on the CPU or on a GPU, with the same bytes.
+#[derive(Debug, Parser)]
+#[command(name = "microtome", version, after_help = exit::EXIT_CODES, subcommand_required = true, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Slice a model into G-code
+    Slice(slice::SliceArgs),
+    /// Slice the built-in part into demo.gcode and demo.png, and compare CPU and GPU
+    Demo(demo::DemoArgs),
+    /// List the GPUs and say which one `--backend auto` would take, and why
+    Devices(devices::DevicesArgs),
+}
+
+/// Runs the program on the process's arguments.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(e) => {
+            // Help and version go to stdout and are no errors; a closed pipe is none either.
+            drop(e.print());
+            return ExitCode::from(if e.use_stderr() { 2 } else { 0 });
+        }
+    };
+    let outcome = std::panic::catch_unwind(|| run(&cli.command));
+    match outcome {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(e)) => {
+            let code = e.code();
+            if code != ExitCode::SUCCESS {
+                drop(writeln!(std::io::stderr(), "error: {e}"));
+            }
+            code
+        }
+        Err(_) => {
+            drop(writeln!(
+                std::io::stderr(),
+                "error: this is a defect of microtome, please report it with the model and the command; no output was written"
+            ));
+            ExitCode::from(1)
+        }
+    }
+}
+
+fn run(command: &Command) -> Result<(), CliError> {
+    match command {
+        Command::Slice(args) => slice::run(args),
+        Command::Demo(args) => demo::run(args),
+        Command::Devices(args) => devices::run(args),
+    }
+}
+
+/// The date that goes into files: `SOURCE_DATE_EPOCH` (reproducible-builds.org), else 1970-01-01, so that
+/// two runs give the same bytes.
+fn source_date_epoch() -> i64 {
+    let given = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|v| v.trim().parse::<i64>().ok());
+    // The year 9999 is as far as the date format reaches.
+    given.unwrap_or(0).clamp(0, 253_402_300_799)
+}

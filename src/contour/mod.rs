@@ -10,6 +10,9 @@ mod sweep;
 pub mod trace;
 pub mod walk;
 
+pub use trace::{LayerContours, TraceError, TraceOptions, trace};
+pub use walk::contours_of;
+
 use crate::lattice::Point2;
 
 /// A closed polygon \[nm\]; the last point joins the first and is not repeated. Solid on the left:

@@ -11,7 +11,7 @@ pub mod error;
 pub mod kernel;
 pub mod scan;
 
-pub use adapter::{AdapterInfo, Selection, adapters};
+pub use adapter::{AdapterInfo, Selection, adapters, choose};
 pub use buffer::Buffer;
 pub use device::{Device, Options};
 pub use error::GpuError;

@@ -1,3 +1,11 @@
 //! Where the stages are chained.
 
+pub mod backend;
+pub mod error;
+pub mod filament;
+mod gcode_text;
 pub mod output;
+pub mod progress;
+pub mod summary;
+
+pub use error::JobError;

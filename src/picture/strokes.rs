@@ -2,6 +2,7 @@
 
 use super::{BACKGROUND, downsample};
 use crate::lattice::Point2;
+use crate::path::Role;
 use image::{Rgb, RgbImage};
 
 const SUPERSAMPLING: u32 = 3;
@@ -15,6 +16,18 @@ pub struct Stroke {
     pub width: f64,
     /// Colour.
     pub color: [u8; 3],
+}
+
+/// The colour of a role, near to what G-code viewers commonly show.
+pub fn color(role: Role) -> [u8; 3] {
+    match role {
+        Role::ExternalPerimeter | Role::OverhangPerimeter => [255, 125, 56],
+        Role::Perimeter | Role::GapFill => [255, 202, 88],
+        Role::InternalInfill => [177, 48, 41],
+        Role::SolidInfill | Role::BridgeInfill => [150, 84, 204],
+        Role::TopSolidInfill | Role::Ironing => [240, 64, 64],
+        _ => [0, 135, 110],
+    }
 }
 
 /// Draws strokes in order, scaled to fill the picture but for a margin, y upwards.

@@ -1,0 +1,93 @@
+//! `microtome slice`.
+
+use super::exit::CliError;
+use super::options::RunArgs;
+use super::progress::Spinner;
+use super::report;
+use super::setting_flags::SettingFlags;
+use crate::job::JobError;
+use crate::job::filament::{self, FilamentJob};
+use crate::job::output::{OutputError, OutputFile};
+use crate::mesh::Placement;
+use crate::settings::Settings;
+use clap::Args;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Arguments of `slice`.
+#[derive(Debug, Args)]
+pub struct SliceArgs {
+    /// The model: an STL file, binary or ASCII
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// Where the G-code goes; `-` is standard output [default: the model's name with .gcode]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// List the settings of loaded files that have no effect here
+    #[arg(long)]
+    pub list_ignored: bool,
+    /// Keep the model's coordinates instead of dropping it onto the bed and centring it there
+    #[arg(long)]
+    pub no_place: bool,
+    /// How to run.
+    #[command(flatten)]
+    pub run: RunArgs,
+    /// The settings.
+    #[command(flatten)]
+    pub settings: SettingFlags,
+}
+
+/// Slices a model as asked.
+///
+/// # Errors
+/// [`CliError`]; the output is then as it was before.
+pub fn run(args: &SliceArgs) -> Result<(), CliError> {
+    args.run.set_threads();
+    let mut settings = Settings::default();
+    let given = args.settings.apply(&mut settings)?;
+
+    let output = args.output.clone().unwrap_or_else(|| args.model.with_extension("gcode"));
+    let job = FilamentJob {
+        settings: &settings,
+        placement: if args.no_place { Placement::Keep } else { Placement::DropAndCentre },
+        backend: args.run.backend(),
+        stem: stem(&args.model),
+        date: super::source_date_epoch(),
+    };
+    let spinner = Spinner::new(args.run.quiet);
+    let planned = filament::plan(&args.model, &job, &spinner)?;
+    let mut summary = if output == Path::new("-") {
+        let failed = |e| JobError::from(OutputError::new(Path::new("standard output"), e));
+        let mut out = io::BufWriter::with_capacity(1 << 18, io::stdout().lock());
+        let summary = filament::write(planned, &job, &mut out, &spinner)
+            .map_err(|e| e.at(Path::new("standard output")))?;
+        out.flush().map_err(failed)?;
+        summary
+    } else {
+        let mut out = OutputFile::create(&output).map_err(JobError::from)?;
+        let summary = filament::write(planned, &job, &mut out, &spinner).map_err(|e| e.at(&output))?;
+        out.commit().map_err(JobError::from)?;
+        summary
+    };
+    drop(spinner);
+
+    summary.output = output.display().to_string();
+    summary.warnings.splice(0..0, given.warnings.iter().map(ToString::to_string));
+    summary.ignored_settings = report::ignored_keys(&given.files);
+    if !args.run.quiet {
+        report::warnings(&summary);
+        report::ignored(&given.files, args.list_ignored);
+        if !args.run.json {
+            report::people(&summary);
+        }
+    }
+    if args.run.json {
+        report::json(&summary)?;
+    }
+    Ok(())
+}
+
+/// The model's name without folder and extension, for templates.
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
+}

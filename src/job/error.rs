@@ -1,0 +1,86 @@
+//! Everything that can end a job.
+
+use super::output::OutputError;
+use crate::contour::TraceError;
+use crate::gcode::template::TemplateError;
+use crate::mesh::{MeshError, PlaceError};
+use crate::settings::SettingsError;
+use crate::slice::planes::PlaneError;
+use std::path::Path;
+use thiserror::Error;
+
+/// Why a job ended without output.
+#[derive(Debug, Error)]
+pub enum JobError {
+    /// The model cannot be read.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The model does not fit the printer.
+    #[error(transparent)]
+    Place(#[from] PlaceError),
+    /// The model gives no layers, or too many.
+    #[error(transparent)]
+    Planes(#[from] PlaneError),
+    /// The mesh is too large to be traced.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
+    /// There are layers, but nothing on them is wide enough for a line.
+    #[error(
+        "{model}: nothing to print: no layer has an area that a line of {width_mm:.2} mm fits into; check the model's units and its scale"
+    )]
+    Empty {
+        /// The model.
+        model: String,
+        /// Width of the external wall \[mm\].
+        width_mm: f64,
+    },
+    /// A setting is wrong.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// A G-code template is wrong.
+    #[error(transparent)]
+    Template(#[from] TemplateError),
+    /// The GPU asked for is missing or failed.
+    #[cfg(feature = "gpu")]
+    #[error("{0}; --backend cpu writes the same file without a GPU")]
+    Device(#[from] crate::gpu::GpuError),
+    /// A GPU was asked for, and this program has none built in.
+    #[error(
+        "this microtome was built without GPU support; use --backend cpu, or build with the feature `gpu`"
+    )]
+    NoGpuSupport,
+    /// The output cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+/// Why writing failed: an error of the stream still without a file's name, or any other.
+#[derive(Debug)]
+pub enum WriteError {
+    /// The stream failed.
+    Io(std::io::Error),
+    /// Anything else.
+    Job(JobError),
+}
+
+impl WriteError {
+    /// Names the output.
+    pub fn at(self, path: &Path) -> JobError {
+        match self {
+            Self::Io(e) => OutputError::new(path, e).into(),
+            Self::Job(e) => e,
+        }
+    }
+}
+
+impl From<std::io::Error> for WriteError {
+    fn from(e: std::io::Error) -> Self {
+        Self::Io(e)
+    }
+}
+
+impl From<TemplateError> for WriteError {
+    fn from(e: TemplateError) -> Self {
+        Self::Job(e.into())
+    }
+}

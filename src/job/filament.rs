@@ -1,0 +1,330 @@
+//! From a model to G-code: the one place where the stages are chained.
+
+use super::JobError;
+use super::backend::{self, BackendOptions};
+use super::error::WriteError;
+use super::gcode_text::GcodeText;
+use super::progress::Progress;
+use super::summary::{FilamentSummary, MeshSummary, Stopwatch, Summary};
+use crate::contour::{LayerContours, Ring, TraceOptions};
+use crate::infill::FillLayer;
+use crate::lattice::{self, Point2};
+use crate::mesh::{self, Adjacency, Loaded, Mesh, Placement};
+use crate::path::{LayerPlan, Planner, PrintIsland, PrintLayer, Role};
+use crate::region::offset::{Join, inset, outset};
+use crate::region::perimeters::{self, WallPlan};
+use crate::region::{Island, areas};
+use crate::settings::Settings;
+use crate::settings::flow::{Flow, FlowRole};
+use crate::slice::planes::{self, LayerZ};
+use crate::{contour, gcode, infill, support};
+use rayon::prelude::*;
+use std::io::Write;
+use std::path::Path;
+
+/// What is to be done with a model.
+#[derive(Clone, Debug)]
+pub struct FilamentJob<'a> {
+    /// All settings.
+    pub settings: &'a Settings,
+    /// Where the part goes on the bed.
+    pub placement: Placement,
+    /// Where planes and triangles are intersected.
+    pub backend: BackendOptions,
+    /// The model's name without folder and extension, for templates and messages.
+    pub stem: String,
+    /// The date in the file's head, seconds since 1970-01-01 UTC.
+    pub date: i64,
+}
+
+/// A model whose layers are ready to be put in order and written.
+#[derive(Debug)]
+pub struct Planned {
+    /// Walls and fills of every layer, from the bed upwards.
+    pub layers: Vec<PrintLayer>,
+    /// World position of the layers' zero \[nm\].
+    pub origin: [i64; 3],
+    summary: Summary,
+    watch: Stopwatch,
+}
+
+/// Reads a model and does everything up to walls, fills and skirt.
+///
+/// # Errors
+/// [`JobError`]: see its variants.
+pub fn plan(path: &Path, job: &FilamentJob<'_>, progress: &dyn Progress) -> Result<Planned, JobError> {
+    let mut watch = Stopwatch::default();
+    progress.stage("reading");
+    watch.stage("load");
+    let loaded = mesh::load(path)?;
+    plan_mesh(loaded, &path.display().to_string(), job, progress, watch)
+}
+
+/// [`plan`] for a mesh in memory; `name` stands for it in messages.
+///
+/// # Errors
+/// [`JobError`]: see its variants.
+pub fn plan_mesh(
+    loaded: Loaded,
+    name: &str,
+    job: &FilamentJob<'_>,
+    progress: &dyn Progress,
+    mut watch: Stopwatch,
+) -> Result<Planned, JobError> {
+    let settings = job.settings;
+    let mut warnings: Vec<String> = settings.validate()?.iter().map(ToString::to_string).collect();
+    warnings.extend(loaded.warnings.iter().map(|w| format!("{name}: {w}")));
+    let Loaded { mut mesh, facets, collapsed, .. } = loaded;
+    if mesh::flip_if_inside_out(&mut mesh) {
+        warnings.push(format!("{name}: the mesh is inside out; all its facets were turned"));
+    }
+    mesh::place(&mut mesh, &settings.printer.bed_shape, job.placement)?;
+    mesh::fits(&mesh, &settings.printer.bed_shape, settings.printer.max_print_height)?;
+
+    progress.stage("joining facets");
+    watch.stage("adjacency");
+    let adjacency = Adjacency::build(&mesh);
+    watch.stage("audit");
+    let mesh_summary = audit(&mesh, &adjacency, facets, collapsed, name, &mut warnings);
+
+    progress.stage("slicing");
+    watch.stage("slice");
+    let [lo, hi] = mesh.world_bounds().unwrap_or_default();
+    let layers = planes::layers(lo[2], hi[2], &settings.slicing)?;
+    let planes = planes::plane_zs(&layers, mesh.origin[2]);
+    let options = TraceOptions::new(&settings.slicing);
+    let traced = backend::contours(&mesh, &adjacency, &planes, &job.backend, &options)?;
+    warnings.extend(traced.warning);
+    open_chains(&traced.layers, &layers, mesh.origin, name, &mut warnings);
+    let triangles = mesh.triangles.len() as u64;
+    let origin = mesh.origin;
+    drop((mesh, adjacency));
+    let contours = traced.layers.iter().map(|l| l.rings.len() as u64).sum();
+
+    progress.stage("walls");
+    watch.stage("walls");
+    let islands = walls(&traced.layers, &layers, settings);
+    drop(traced.layers);
+    if islands.iter().flatten().all(|i| i.walls.is_empty() && i.infill.is_empty()) {
+        let width_mm = WallPlan::new(settings, lattice::mm(layers[0].height), true).external_width as f64;
+        return Err(JobError::Empty { model: name.to_owned(), width_mm: width_mm / lattice::NM_PER_MM });
+    }
+
+    progress.stage("infill");
+    watch.stage("infill");
+    let fills = infill::fill(&fill_layers(&islands, &layers), &infill::FillPlan::new(settings));
+    let skirt = skirt(&islands, &layers, settings);
+    let print_z_mm = layers.last().map_or(0.0, |l| lattice::mm(l.print_z));
+    let layers = assemble(layers, islands, fills, &skirt, settings);
+    let summary = Summary {
+        model: name.to_owned(),
+        output: String::new(),
+        bytes: 0,
+        layers: layers.len(),
+        print_z_mm,
+        triangles,
+        segments: traced.segments,
+        contours,
+        mesh: mesh_summary,
+        filament: FilamentSummary::default(),
+        bounds_mm: None,
+        time_lower_bound_s: 0.0,
+        warnings,
+        backend: traced.backend,
+        ignored_settings: Vec::new(),
+        stages: Vec::new(),
+    };
+    Ok(Planned { layers, origin, summary, watch })
+}
+
+/// Puts the layers in order and writes them, one after the other.
+///
+/// # Errors
+/// [`WriteError`]: the stream failed, or a template is wrong.
+pub fn write(
+    planned: Planned,
+    job: &FilamentJob<'_>,
+    out: &mut impl Write,
+    progress: &dyn Progress,
+) -> Result<Summary, WriteError> {
+    let Planned { layers, origin, mut summary, mut watch } = planned;
+    progress.stage("writing");
+    watch.stage("order and write");
+    let settings = job.settings;
+    let text = GcodeText::new(&layers, origin, job)?;
+    let before_layer = |l| text.layer("before_layer_gcode", &settings.output.before_layer_gcode, l);
+    let layer_text = |l| text.layer("layer_gcode", &settings.output.layer_gcode, l);
+    let texts = gcode::Texts {
+        date: &text.date,
+        start: &text.start,
+        end: &text.end,
+        before_layer: &before_layer,
+        layer: &layer_text,
+        config: &text.config,
+        ..gcode::Texts::default()
+    };
+    // The nozzle starts from the bed's origin, as it does after homing.
+    let home = Point2::new(clamped(-origin[0]), clamped(-origin[1]));
+    let mut planner = Planner::new(home, settings);
+    let mut writer = gcode::Writer::new(out, layers.len(), origin, settings, &texts)?;
+    let mut plan = LayerPlan::default();
+    for layer in layers {
+        planner.layer(&layer, &mut plan);
+        writer.layer(&plan)?;
+    }
+    let written = writer.finish()?;
+    summary.filament = filament_summary(&written, settings);
+    summary.bounds_mm = (written.extruded_mm > 0.0).then_some([written.low, written.high]);
+    summary.time_lower_bound_s = written.seconds_at_least;
+    summary.bytes = written.bytes;
+    summary.stages = watch.finish();
+    Ok(summary)
+}
+
+/// A world coordinate brought into the lattice's reach.
+fn clamped(nm: i64) -> i32 {
+    nm.clamp(1 - i64::from(lattice::LIMIT), i64::from(lattice::LIMIT) - 1) as i32
+}
+
+fn filament_summary(written: &gcode::Summary, settings: &Settings) -> FilamentSummary {
+    let known = |value: f64| Some(value).filter(|v| *v > 0.0);
+    let by_role = Role::ALL.into_iter().map(|r| (r.name().to_owned(), written.role_mm[r.index()]));
+    FilamentSummary {
+        mm: written.filament_mm,
+        cm3: written.filament_cm3,
+        g: known(settings.filament.filament_density).map(|_| written.filament_g),
+        cost: known(settings.filament.filament_cost)
+            .and(known(settings.filament.filament_density))
+            .map(|_| written.cost),
+        mm_by_role: by_role.filter(|(_, mm)| *mm > 0.0).collect(),
+    }
+}
+
+fn fill_layers<'a>(islands: &'a [Vec<Island>], layers: &[LayerZ]) -> Vec<FillLayer<'a>> {
+    let join = |(islands, z): (&'a Vec<Island>, &LayerZ)| FillLayer {
+        islands,
+        print_z: z.print_z.into(),
+        height: z.height.into(),
+    };
+    islands.iter().zip(layers).map(join).collect()
+}
+
+/// The skirt around everything that stands on the layers it goes with.
+fn skirt(islands: &[Vec<Island>], layers: &[LayerZ], settings: &Settings) -> Vec<Ring> {
+    let Some(first) = layers.first() else { return Vec::new() };
+    let flow = Flow::new(FlowRole::Skirt, lattice::mm(first.height), true, settings);
+    let filament = &settings.filament;
+    let section = std::f64::consts::PI / 4.0 * filament.filament_diameter * filament.filament_diameter;
+    let high = settings.adhesion.skirt_height as usize;
+    let outlines = islands.iter().take(high).flatten().map(|i| &i.outline.contour);
+    support::skirt::skirt(
+        outlines,
+        flow,
+        flow.mm3_per_mm() * filament.extrusion_multiplier / section,
+        &settings.adhesion,
+    )
+}
+
+/// The areas, walls and infill borders of every layer.
+fn walls(contours: &[LayerContours], layers: &[LayerZ], settings: &Settings) -> Vec<Vec<Island>> {
+    let grow = lattice::nm(settings.slicing.xy_size_compensation);
+    contours
+        .par_iter()
+        .zip(layers)
+        .enumerate()
+        .map(|(i, (contours, z))| {
+            let mut area = areas::areas(&contours.rings);
+            if grow > 0 {
+                area = outset(&area, grow, Join::Miter);
+            } else if grow < 0 {
+                area = inset(&area, -grow);
+            }
+            perimeters::walls(area, &WallPlan::new(settings, lattice::mm(z.height), i == 0))
+        })
+        .collect()
+}
+
+/// Brings what belongs to a layer together.
+fn assemble(
+    layers: Vec<LayerZ>,
+    islands: Vec<Vec<Island>>,
+    fills: Vec<Vec<Vec<infill::FillPath>>>,
+    skirt: &[Ring],
+    settings: &Settings,
+) -> Vec<PrintLayer> {
+    let with_skirt = settings.adhesion.skirt_height as usize;
+    type Parts = (Vec<Island>, Vec<Vec<infill::FillPath>>);
+    let join = |(i, (z, (islands, fills))): (usize, (LayerZ, Parts))| PrintLayer {
+        z,
+        islands: islands
+            .into_iter()
+            .zip(fills)
+            .map(|(island, fills)| PrintIsland { walls: island.walls, fills })
+            .collect(),
+        skirt: if i < with_skirt { skirt.to_vec() } else { Vec::new() },
+    };
+    layers.into_iter().zip(islands.into_iter().zip(fills)).enumerate().map(join).collect()
+}
+
+/// Audits the mesh and puts what a user must know into words.
+fn audit(
+    mesh: &Mesh,
+    adjacency: &Adjacency,
+    facets: u64,
+    collapsed: u64,
+    name: &str,
+    warnings: &mut Vec<String>,
+) -> MeshSummary {
+    let found = mesh::audit(mesh, adjacency);
+    let mut note = |n: u64, what: &str| {
+        if n > 0 {
+            warnings.push(format!("{name}: {n} {what}"));
+        }
+    };
+    note(found.open_edges, "open edges: the surface has holes; contours there are closed by guess");
+    note(found.flipped_edges, "edges whose two facets disagree about the outside");
+    note(found.over_shared_edges, "edges shared by more than two facets");
+    note(found.duplicate_triangles, "duplicate facets");
+    let [lo, hi] = found.bounds;
+    let size = [0, 1, 2].map(|axis| hi[axis] - lo[axis]);
+    MeshSummary {
+        facets,
+        collapsed,
+        open_edges: found.open_edges,
+        over_shared_edges: found.over_shared_edges,
+        flipped_edges: found.flipped_edges,
+        duplicate_triangles: found.duplicate_triangles,
+        shells: found.shells,
+        volume_mm3: found.volume_mm3,
+        size_mm: size.map(lattice::mm),
+    }
+}
+
+/// Says what became of open contours.
+fn open_chains(
+    found: &[LayerContours],
+    layers: &[LayerZ],
+    origin: [i64; 3],
+    name: &str,
+    warnings: &mut Vec<String>,
+) {
+    let sum = contour::chains::sum(found.iter().map(|l| &l.open));
+    let total = sum.total;
+    if total.chains == 0 {
+        return;
+    }
+    let place = total.worst.map_or(String::new(), |gap| {
+        let [x, y] = [gap.at.x, gap.at.y].map(i64::from);
+        format!(
+            "; the widest gap is {:.3} mm at z = {:.3}, x = {:.3}, y = {:.3}",
+            lattice::mm(gap.length),
+            layers.get(sum.worst_layer).map_or(0.0, |l| lattice::mm(l.slice_z)),
+            lattice::mm(x + origin[0]),
+            lattice::mm(y + origin[1]),
+        )
+    });
+    warnings.push(format!(
+        "{name}: {} open contours on {} layers: {} closed within the tolerance, {} closed by a straight line, {} left out{place}; repair the mesh",
+        total.chains, sum.layers, total.matched, total.forced, total.dropped,
+    ));
+}

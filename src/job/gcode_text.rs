@@ -1,0 +1,170 @@
+//! The texts of a G-code file that come from the user and from the job: templates, date, settings.
+
+use super::filament::FilamentJob;
+use crate::gcode::LayerText;
+use crate::gcode::template::{TemplateError, expand};
+use crate::lattice::mm;
+use crate::path::PrintLayer;
+
+/// Templates with their placeholders filled in, and what is needed to fill in those of the layers.
+#[derive(Debug)]
+pub(super) struct GcodeText<'a> {
+    /// `YYYY-MM-DD at HH:MM:SS UTC`.
+    pub date: String,
+    /// G-code before the print.
+    pub start: String,
+    /// G-code after the print.
+    pub end: String,
+    /// All settings.
+    pub config: Vec<(String, String)>,
+    job: &'a FilamentJob<'a>,
+    values: Vec<(&'static str, String)>,
+}
+
+impl<'a> GcodeText<'a> {
+    /// Fills in the start and end G-code and tries the templates of the layers once, so that a mistake in
+    /// them is found before anything is written.
+    pub fn new(
+        layers: &[PrintLayer],
+        origin: [i64; 3],
+        job: &'a FilamentJob<'a>,
+    ) -> Result<Self, TemplateError> {
+        let config = job.settings.entries().map(|(key, value)| (key.to_owned(), value)).collect();
+        let values = values(layers, origin, job);
+        let mut text =
+            Self { date: date(job.date), start: String::new(), end: String::new(), config, job, values };
+        let output = &job.settings.output;
+        text.start = text.expand("start_gcode", &output.start_gcode, None)?;
+        let last = layers.last().map(|l| text.layer_text(layers.len() - 1, l));
+        text.end = text.expand("end_gcode", &output.end_gcode, last)?;
+        let first = layers.first().map(|l| text.layer_text(0, l));
+        text.expand("before_layer_gcode", &output.before_layer_gcode, first)?;
+        text.expand("layer_gcode", &output.layer_gcode, first)?;
+        Ok(text)
+    }
+
+    /// The G-code of a layer. Whether a template can be filled in does not depend on the layer, and
+    /// [`Self::new`] has tried it, so there is nothing left to fail.
+    pub fn layer(&self, name: &str, template: &str, layer: LayerText) -> String {
+        self.expand(name, template, Some(layer)).unwrap_or_default()
+    }
+
+    fn layer_text(&self, index: usize, layer: &PrintLayer) -> LayerText {
+        let z = mm(layer.z.print_z) + self.job.settings.printer.z_offset;
+        LayerText { index, z, height: mm(layer.z.height) }
+    }
+
+    fn expand(&self, name: &str, text: &str, layer: Option<LayerText>) -> Result<String, TemplateError> {
+        if text.is_empty() {
+            return Ok(String::new());
+        }
+        expand(name, text, &|wanted| {
+            let of_layer = layer.and_then(|l| match wanted {
+                "layer_num" => Some(l.index.to_string()),
+                "layer_z" => Some(number(l.z)),
+                _ => None,
+            });
+            let own = || self.values.iter().find(|(key, _)| *key == wanted).map(|(_, value)| value.clone());
+            of_layer.or_else(own).or_else(|| self.job.settings.template_value(wanted))
+        })
+    }
+}
+
+/// Values of this print, under PrusaSlicer's names.
+fn values(layers: &[PrintLayer], origin: [i64; 3], job: &FilamentJob<'_>) -> Vec<(&'static str, String)> {
+    let printer = &job.settings.printer;
+    let bed = bounds(printer.bed_shape.iter().copied());
+    let walls = layers.iter().take(1).flat_map(|l| &l.islands).flat_map(|i| &i.walls).flat_map(|w| &w.ring);
+    let first = bounds(walls.map(|p| [mm(i64::from(p.x) + origin[0]), mm(i64::from(p.y) + origin[1])]));
+    let top = layers.last().map_or(0.0, |l| mm(l.z.print_z)) + printer.z_offset;
+    let mut values = vec![
+        ("input_filename_base", job.stem.clone()),
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("timestamp", date(job.date)),
+        ("total_layer_count", layers.len().to_string()),
+        ("max_layer_z", number(top)),
+        ("current_extruder", "0".to_owned()),
+        ("initial_extruder", "0".to_owned()),
+        ("initial_tool", "0".to_owned()),
+        ("total_toolchanges", "0".to_owned()),
+        ("num_objects", "1".to_owned()),
+        ("num_instances", "1".to_owned()),
+        ("layer_num", "0".to_owned()),
+        ("layer_z", "0".to_owned()),
+    ];
+    for ([min, max, size], [lo, hi]) in [
+        (["first_layer_print_min", "first_layer_print_max", "first_layer_print_size"], first),
+        (["print_bed_min", "print_bed_max", "print_bed_size"], bed),
+    ] {
+        let extent = [hi[0] - lo[0], hi[1] - lo[1]];
+        for (name, value) in [(min, lo), (max, hi), (size, extent)] {
+            values.push((name, format!("{},{}", number(value[0]), number(value[1]))));
+            let [x, y] = indexed(name);
+            values.push((x, number(value[0])));
+            values.push((y, number(value[1])));
+        }
+    }
+    values
+}
+
+fn indexed(name: &str) -> [&'static str; 2] {
+    match name {
+        "first_layer_print_min" => ["first_layer_print_min[0]", "first_layer_print_min[1]"],
+        "first_layer_print_max" => ["first_layer_print_max[0]", "first_layer_print_max[1]"],
+        "first_layer_print_size" => ["first_layer_print_size[0]", "first_layer_print_size[1]"],
+        "print_bed_min" => ["print_bed_min[0]", "print_bed_min[1]"],
+        "print_bed_max" => ["print_bed_max[0]", "print_bed_max[1]"],
+        _ => ["print_bed_size[0]", "print_bed_size[1]"],
+    }
+}
+
+fn bounds(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
+    points
+        .fold(None, |found: Option<[[f64; 2]; 2]>, p| {
+            let [lo, hi] = found.unwrap_or([p, p]);
+            Some([[lo[0].min(p[0]), lo[1].min(p[1])], [hi[0].max(p[0]), hi[1].max(p[1])]])
+        })
+        .unwrap_or_default()
+}
+
+/// Millimetres with at most three decimals.
+fn number(value: f64) -> String {
+    let text = format!("{value:.3}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+/// Seconds since 1970-01-01 UTC as `YYYY-MM-DD at HH:MM:SS UTC`, by Hinnant's days-to-civil algorithm
+/// ("chrono-Compatible Low-Level Date Algorithms", 2013).
+fn date(seconds: i64) -> String {
+    let (days, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
+    let shifted = days + 719_468;
+    let era = shifted.div_euclid(146_097);
+    let day_of_era = shifted.rem_euclid(146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let shifted_month = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * shifted_month + 2) / 5 + 1;
+    let month = if shifted_month < 10 { shifted_month + 3 } else { shifted_month - 9 };
+    let year = year_of_era + era * 400 + i64::from(month <= 2);
+    let (h, m, s) = (second / 3600, second / 60 % 60, second % 60);
+    format!("{year:04}-{month:02}-{day:02} at {h:02}:{m:02}:{s:02} UTC")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_are_the_calendars() {
+        assert_eq!(date(0), "1970-01-01 at 00:00:00 UTC");
+        assert_eq!(date(951_827_696), "2000-02-29 at 12:34:56 UTC");
+        assert_eq!(date(4_107_542_399), "2100-02-28 at 23:59:59 UTC");
+        assert_eq!(date(-1), "1969-12-31 at 23:59:59 UTC");
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!([0.2, -0.0001, 100.0, 0.12345].map(number), ["0.2", "0", "100", "0.123"]);
+    }
+}
