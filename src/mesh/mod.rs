@@ -6,6 +6,8 @@
 
 mod adjacency;
 pub mod audit;
+#[cfg(test)]
+mod bad_input;
 pub mod demo_part;
 mod detect;
 pub mod error;
