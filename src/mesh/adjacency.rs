@@ -130,8 +130,8 @@ fn pair_by_sorting(mesh: &Mesh) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::random::Random;
     use crate::mesh::shapes::{cylinder, fan, sphere, tetrahedron};
-    use crate::mesh::weld::tests::Random;
 
     /// What is wrong with a pairing, if anything.
     fn fault(mesh: &Mesh, twin: &[u32]) -> Option<String> {

@@ -61,29 +61,39 @@ fn determinant(mesh: &Mesh, t: &[u32; 3]) -> i128 {
     term(ax, x) + term(ay, y) + term(az, z)
 }
 
-/// Pieces connected over paired edges, by flooding.
+/// Pieces connected over paired edges, by union-find (Tarjan 1975) with path halving: every union of
+/// two pieces makes one less. In file order neighbours are mostly at hand in the cache.
 fn shells(adjacency: &Adjacency) -> u64 {
-    let mut seen = vec![false; adjacency.twin.len() / 3];
-    let mut shells = 0;
-    let mut stack = Vec::new();
-    for start in 0..seen.len() {
-        if seen[start] {
-            continue;
-        }
-        shells += 1;
-        seen[start] = true;
-        stack.push(start);
-        while let Some(t) = stack.pop() {
-            for &twin in &adjacency.twin[3 * t..3 * t + 3] {
-                let n = (twin / 3) as usize;
-                if twin != OPEN && !seen[n] {
-                    seen[n] = true;
-                    stack.push(n);
+    let triangles = (adjacency.twin.len() / 3) as u32;
+    let mut parent: Vec<u32> = (0..triangles).collect();
+    let mut shells = u64::from(triangles);
+    for (t, twins) in adjacency.twin.as_chunks::<3>().0.iter().enumerate() {
+        let mut root = find(&mut parent, t as u32);
+        for &twin in twins {
+            // Each pair once; OPEN is above every id.
+            if twin / 3 < t as u32 {
+                let other = find(&mut parent, twin / 3);
+                if other != root {
+                    parent[other.max(root) as usize] = other.min(root);
+                    root = other.min(root);
+                    shells -= 1;
                 }
             }
         }
     }
     shells
+}
+
+fn find(parent: &mut [u32], mut t: u32) -> u32 {
+    loop {
+        let up = parent[t as usize];
+        if up == t {
+            return t;
+        }
+        let above = parent[up as usize];
+        parent[t as usize] = above;
+        t = above;
+    }
 }
 
 #[derive(Default)]
@@ -176,8 +186,8 @@ fn duplicates(mesh: &Mesh, mut suspects: Vec<u32>) -> u64 {
 mod tests {
     use super::*;
     use crate::lattice::Point3;
+    use crate::mesh::random::Random;
     use crate::mesh::shapes::cuboid;
-    use crate::mesh::weld::tests::Random;
     use std::collections::BTreeMap;
 
     fn report(mesh: &Mesh) -> Audit {
@@ -253,6 +263,19 @@ mod tests {
             );
             assert_eq!(found.duplicate_triangles, sets.values().map(|n| n - 1).sum::<u64>(), "seed {seed}");
         }
+    }
+
+    #[test]
+    fn shells_are_counted_in_any_order() {
+        use crate::mesh::shapes::{merge, moved, torus};
+        let ring = torus(10.0, 2.0, 40, 20);
+        let mut mesh =
+            merge(&[ring.clone(), moved(ring.clone(), [3.0, 0.0, 0.0]), moved(ring, [0.0, 0.0, 9.0])]);
+        let n = mesh.triangles.len();
+        mesh.triangles = (0..n).map(|i| mesh.triangles[i * 1009 % n]).collect();
+        assert_eq!(report(&mesh).shells, 3);
+        mesh.triangles.truncate(1);
+        assert_eq!(report(&mesh).shells, 1);
     }
 
     #[test]

@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on fails")]
 
+use super::random::Random;
 use super::shapes::{knot, sphere, tetrahedron};
 use super::stl_write::{write_stl_ascii, write_stl_binary};
-use super::weld::tests::Random;
 use super::*;
 use std::fs;
 use std::path::Path;
@@ -80,6 +80,24 @@ fn good_files_load_whatever_form_they_have() {
     }
     assert!(load_file("part", &binary(&mesh)).is_ok(), "no extension");
     assert!(load_file("part.obj", &binary(&mesh)).is_ok(), "content decides");
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let mesh = knot(10.0, 3.0, 70_000);
+    let (binary, text) = (binary(&mesh), ascii(&mesh));
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let a = load_bytes(Path::new("a.stl"), &binary).unwrap().mesh;
+            let b = load_bytes(Path::new("a.stl"), text.as_bytes()).unwrap().mesh;
+            assert_eq!(a, b);
+            let adjacency = Adjacency::build(&a);
+            let report = audit(&a, &adjacency);
+            (a, adjacency, report)
+        })
+    };
+    assert!(run(1) == run(3));
 }
 
 #[test]

@@ -14,6 +14,8 @@ pub mod error;
 mod frame;
 pub mod load;
 pub mod place;
+#[cfg(test)]
+mod random;
 pub mod repair;
 pub mod shapes;
 mod stl;
