@@ -100,6 +100,8 @@ impl Table {
         let a = xy.wrapping_mul(0x9E37_79B9_7F4A_7C15);
         let b = u64::from(p.z as u32).wrapping_mul(0xC2B2_AE3D_27D4_EB4F);
         let h = (a ^ a >> 32).wrapping_add(b).wrapping_mul(0xD6E8_FEB8_6659_FD93);
+        // A second round, without which fine regular grids cluster.
+        let h = (h ^ h >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93);
         (h >> self.shift) as usize
     }
 
@@ -179,6 +181,26 @@ mod tests {
                 assert_eq!(weld(&soup, &frame), expected, "seed {seed}, range {range}");
                 expected.vertices[0].x += 1;
                 assert_ne!(weld(&soup, &frame), expected, "a planted fault must be seen");
+            }
+        }
+    }
+
+    #[test]
+    fn regular_grids_spread_over_the_table() {
+        for step in [1, 1000, 125_000, 1 << 20, 200_000] {
+            for flat in [false, true] {
+                let (nx, nz) = if flat { (256, 1) } else { (40, 41) };
+                let mut table = Table::new(0);
+                let mut steps = 0;
+                for i in 0..nx * nx * nz {
+                    let p = Point3::new(i % nx * step, i / nx % nx * step, i / (nx * nx) * step);
+                    table.reserve(1);
+                    let (first, mask) = (table.slot(p), table.entries.len() - 1);
+                    steps += (first..).take_while(|slot| table.entries[slot & mask][3] != 0).count();
+                    assert_eq!(table.id(p, first), i as u32);
+                }
+                // Random keys at the table's load of 5/16 to 5/8 take below 1.2 steps on average.
+                assert!(steps < 2 * table.vertices.len(), "step {step}, flat {flat}: {steps}");
             }
         }
     }
