@@ -17,7 +17,7 @@ const PATIENCE: usize = 16;
 impl Adjacency {
     /// Pairs the half-edges of a mesh. The triangles' vertex ids must be below the number of vertices.
     pub fn build(mesh: &Mesh) -> Self {
-        let twin = pair_by_lists(mesh).unwrap_or_else(|| pair_by_sorting(mesh));
+        let twin = pair_by_lists(mesh, PATIENCE).unwrap_or_else(|| pair_by_sorting(mesh));
         Self { twin }
     }
 }
@@ -35,8 +35,8 @@ struct Waiting {
     next: u32,
 }
 
-/// `None` when the lists take more than [`PATIENCE`] steps per half-edge.
-fn pair_by_lists(mesh: &Mesh) -> Option<Vec<u32>> {
+/// `None` when the lists take more than `patience` steps per half-edge.
+fn pair_by_lists(mesh: &Mesh, patience: usize) -> Option<Vec<u32>> {
     let mut degree = vec![0u32; mesh.vertices.len()];
     for v in mesh.triangles.as_flattened() {
         degree[*v as usize] += 1;
@@ -48,7 +48,7 @@ fn pair_by_lists(mesh: &Mesh) -> Option<Vec<u32>> {
     // Lists are searched from their youngest entry. Once an edge has two waiting the same way, the
     // older must be found, so the search goes on to the end.
     let mut over_shared = false;
-    let mut patience = PATIENCE.saturating_mul(twin.len());
+    let mut patience = patience.saturating_mul(twin.len());
     for (t, triangle) in mesh.triangles.iter().enumerate() {
         for i in 0..3 {
             let (from, to) = (triangle[i], triangle[(i + 1) % 3]);
@@ -125,4 +125,81 @@ fn pair_by_sorting(mesh: &Mesh) -> Vec<u32> {
         }
     }
     twin
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::random::Random;
+    use crate::mesh::shapes::{cylinder, fan, sphere, tetrahedron};
+
+    /// What is wrong with a pairing, if anything.
+    fn fault(mesh: &Mesh, twin: &[u32]) -> Option<String> {
+        let ends = |h: usize| (mesh.triangles[h / 3][h % 3], mesh.triangles[h / 3][(h + 1) % 3]);
+        (0..twin.len()).filter(|&h| twin[h] != OPEN).find_map(|h| {
+            let w = twin[h] as usize;
+            if twin[w] as usize != h {
+                return Some(format!("the twin of the twin of {h} is {}", twin[w]));
+            }
+            let ((a, b), (c, d)) = (ends(h), ends(w));
+            ((a, b) != (d, c)).then(|| format!("{h} runs {a} to {b}, its twin {c} to {d}"))
+        })
+    }
+
+    #[test]
+    fn pairs_are_mutual_and_opposite() {
+        for mesh in [tetrahedron(1.0), sphere(5.0, 50, 20), cylinder(3.0, 9.0, 70)] {
+            let mut twin = Adjacency::build(&mesh).twin;
+            assert_eq!(twin.len(), 3 * mesh.triangles.len());
+            assert!(!twin.contains(&OPEN));
+            assert_eq!(fault(&mesh, &twin), None);
+            twin.swap(0, 4);
+            assert!(fault(&mesh, &twin).is_some(), "a planted fault must be seen");
+        }
+        assert_eq!(Adjacency::build(&Mesh::default()), Adjacency::default());
+    }
+
+    #[test]
+    fn lists_and_sorting_give_the_same_pairs_on_the_worst_soups() {
+        for seed in 0..400 {
+            let mut random = Random(seed);
+            let mesh = random.mesh(3 + seed as usize % 30, seed as usize);
+            let twin = pair_by_sorting(&mesh);
+            assert_eq!(pair_by_lists(&mesh, usize::MAX).as_ref(), Some(&twin), "seed {seed}");
+            assert_eq!(fault(&mesh, &twin), None, "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn the_i_th_half_edge_one_way_meets_the_i_th_the_other_way() {
+        let mesh = Mesh {
+            triangles: vec![[0, 1, 2], [0, 1, 3], [1, 0, 4], [1, 0, 5], [0, 1, 6]],
+            ..Random(1).mesh(7, 0)
+        };
+        let twin = Adjacency::build(&mesh).twin;
+        assert_eq!([twin[0], twin[3], twin[6], twin[9], twin[12]], [6, 9, 0, 3, OPEN]);
+    }
+
+    #[test]
+    fn a_fan_of_60_000_triangles_keeps_its_lists_short() {
+        let mut mesh = fan(60_000);
+        assert!(pair_by_lists(&mesh, 2).is_some());
+        // In an order in which neighbours are far apart.
+        let n = mesh.triangles.len();
+        mesh.triangles = (0..n).map(|i| mesh.triangles[i * 7919 % n]).collect();
+        let twin = pair_by_lists(&mesh, 2);
+        assert!(twin.is_some_and(|twin| !twin.contains(&OPEN)));
+    }
+
+    #[test]
+    fn thousands_of_triangles_on_one_edge_are_sorted_instead() {
+        let mut mesh = Random(1).mesh(5000, 0);
+        mesh.triangles = (2..5000).map(|v| [0, 1, v]).collect();
+        // The lists are at the other vertices where they can be, but 0-1 is one edge.
+        assert_eq!(pair_by_lists(&mesh, PATIENCE), None);
+        mesh.triangles.extend((2..5000).map(|v| [1, 0, v]));
+        let twin = Adjacency::build(&mesh).twin;
+        assert_eq!(fault(&mesh, &twin), None);
+        assert_eq!(twin[0] as usize, 3 * 4998);
+    }
 }

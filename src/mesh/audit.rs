@@ -45,41 +45,55 @@ pub fn audit(mesh: &Mesh, adjacency: &Adjacency) -> Audit {
 
 /// Six times the signed volume \[nm³\], exact: the sum of a · (b × c) over the triangles (Gauss).
 pub(super) fn volume6(mesh: &Mesh) -> i128 {
-    let term = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|v| {
-            let p = mesh.vertices[v as usize];
-            [i64::from(p.x), i64::from(p.y), i64::from(p.z)]
-        });
-        // Coordinates are below 2^30: components of the cross product below 2^61.
-        let cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
-        (0..3).map(|i| i128::from(a[i]) * i128::from(cross[i])).sum::<i128>()
-    };
-    mesh.triangles.par_chunks(1 << 14).map(|run| run.iter().map(term).sum::<i128>()).sum()
+    mesh.triangles.par_chunks(1 << 14).map(|run| run.iter().map(|t| determinant(mesh, t)).sum::<i128>()).sum()
 }
 
-/// Pieces connected over paired edges, by flooding.
+#[inline(always)]
+fn determinant(mesh: &Mesh, t: &[u32; 3]) -> i128 {
+    let corner = |k: usize| {
+        let p = mesh.vertices[t[k] as usize];
+        (i64::from(p.x), i64::from(p.y), i64::from(p.z))
+    };
+    let ((ax, ay, az), (bx, by, bz), (cx, cy, cz)) = (corner(0), corner(1), corner(2));
+    // Coordinates are below 2^30, so components of the cross product are below 2^61.
+    let (x, y, z) = (by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx);
+    let term = |a: i64, b: i64| i128::from(a) * i128::from(b);
+    term(ax, x) + term(ay, y) + term(az, z)
+}
+
+/// Pieces connected over paired edges, by union-find (Tarjan 1975) with path halving: every union of
+/// two pieces makes one less. In file order neighbours are mostly at hand in the cache.
 fn shells(adjacency: &Adjacency) -> u64 {
-    let mut seen = vec![false; adjacency.twin.len() / 3];
-    let mut shells = 0;
-    let mut stack = Vec::new();
-    for start in 0..seen.len() {
-        if seen[start] {
-            continue;
-        }
-        shells += 1;
-        seen[start] = true;
-        stack.push(start);
-        while let Some(t) = stack.pop() {
-            for &twin in &adjacency.twin[3 * t..3 * t + 3] {
-                let n = (twin / 3) as usize;
-                if twin != OPEN && !seen[n] {
-                    seen[n] = true;
-                    stack.push(n);
+    let triangles = (adjacency.twin.len() / 3) as u32;
+    let mut parent: Vec<u32> = (0..triangles).collect();
+    let mut shells = u64::from(triangles);
+    for (t, twins) in adjacency.twin.as_chunks::<3>().0.iter().enumerate() {
+        let mut root = find(&mut parent, t as u32);
+        for &twin in twins {
+            // Each pair once; OPEN is above every id.
+            if twin / 3 < t as u32 {
+                let other = find(&mut parent, twin / 3);
+                if other != root {
+                    parent[other.max(root) as usize] = other.min(root);
+                    root = other.min(root);
+                    shells -= 1;
                 }
             }
         }
     }
     shells
+}
+
+fn find(parent: &mut [u32], mut t: u32) -> u32 {
+    loop {
+        let up = parent[t as usize];
+        if up == t {
+            return t;
+        }
+        let above = parent[up as usize];
+        parent[t as usize] = above;
+        t = above;
+    }
 }
 
 #[derive(Default)]
@@ -91,57 +105,66 @@ struct Edges {
 
 /// Edges that are not simply one half-edge each way, and the duplicates among their triangles.
 ///
-/// A pair or an open half-edge stands for its edge; an edge with two such representatives is over-
-/// shared or flipped. Each vertex has a word of 32 bits in which the edges to higher vertices leave a
-/// hashed mark; only at vertices where a mark was met twice are edges compared exactly.
+/// A pair, by its lower half-edge, or an open half-edge represents its edge; an edge with several
+/// representatives is over-shared or flipped. Each vertex has a word of 64 bits in which the edges to
+/// higher vertices leave a hashed mark; only at vertices where a mark was met twice (about one in
+/// twenty, by chance) are the edges compared exactly.
 fn edges(mesh: &Mesh, adjacency: &Adjacency) -> Edges {
     let twin = &adjacency.twin;
-    let mut marks = vec![0u32; mesh.vertices.len()];
+    let mut marks = vec![0u64; mesh.vertices.len()];
     let mut doubtful = vec![false; mesh.vertices.len()];
-    let mut reversed = Vec::new();
+    let mut suspects = Vec::new();
+    for (t, c) in mesh.triangles.iter().enumerate() {
+        let twins = &twin[3 * t..3 * t + 3];
+        for i in 0..3 {
+            // OPEN is above every id.
+            if twins[i] as usize > 3 * t + i {
+                let (lo, hi) = key(c[i], c[(i + 1) % 3]);
+                let mark = 1 << (mix(hi ^ lo.rotate_left(16)) >> 26);
+                doubtful[lo as usize] |= marks[lo as usize] & mark != 0;
+                marks[lo as usize] |= mark;
+            }
+        }
+        // A triangle back to back with its own reverse.
+        if twins[0] != OPEN && twins[0] / 3 == twins[1] / 3 && twins[1] / 3 == twins[2] / 3 {
+            suspects.push(t as u32);
+        }
+    }
+    let mut represented = Vec::new();
     for (t, c) in mesh.triangles.iter().enumerate() {
         for i in 0..3 {
             let h = 3 * t + i;
-            // Of a pair the lower id stands for the edge; OPEN is above every id.
-            if (twin[h] as usize) < h {
-                continue;
-            }
-            let [lo, hi] = key(c[i], c[(i + 1) % 3]);
-            let mark = 1 << (hi.wrapping_mul(0x9E37_79B9) >> 27);
-            doubtful[lo as usize] |= marks[lo as usize] & mark != 0;
-            marks[lo as usize] |= mark;
-        }
-        let [a, b, d] = [twin[3 * t], twin[3 * t + 1], twin[3 * t + 2]].map(|w| w / 3);
-        if a == b && b == d && a != OPEN / 3 {
-            reversed.push(t as u32);
-        }
-    }
-    let mut edges: Vec<([u32; 2], u32)> = Vec::new();
-    for (t, c) in mesh.triangles.iter().enumerate() {
-        for i in 0..3 {
-            let key = key(c[i], c[(i + 1) % 3]);
-            if doubtful[key[0] as usize] {
-                edges.push((key, (3 * t + i) as u32));
+            let (lo, hi) = key(c[i], c[(i + 1) % 3]);
+            if twin[h] as usize > h && doubtful[lo as usize] {
+                represented.push((u64::from(lo) << 32 | u64::from(hi), h as u32));
             }
         }
     }
-    edges.par_sort_unstable();
+    represented.sort_unstable();
     let mut found = Edges::default();
-    let mut suspects = reversed;
-    for edge in edges.chunk_by(|a, b| a.0 == b.0) {
-        let closed = edge.iter().any(|e| twin[e.1 as usize] != OPEN);
-        found.over_shared += u64::from(edge.len() > 2);
-        found.flipped += u64::from(edge.len() > 1 && !closed);
-        if edge.len() > 2 || !closed {
-            suspects.extend(edge.iter().map(|e| e.1 / 3));
+    for edge in represented.chunk_by(|a, b| a.0 == b.0).filter(|edge| edge.len() > 1) {
+        let paired = edge.iter().filter(|e| twin[e.1 as usize] != OPEN).count();
+        found.over_shared += u64::from(edge.len() + paired > 2);
+        found.flipped += u64::from(paired == 0);
+        for &(_, h) in edge {
+            suspects.push(h / 3);
+            if twin[h as usize] != OPEN {
+                suspects.push(twin[h as usize] / 3);
+            }
         }
     }
     found.duplicates = duplicates(mesh, suspects);
     found
 }
 
-fn key(a: u32, b: u32) -> [u32; 2] {
-    [a.min(b), a.max(b)]
+/// Spreads the bits of a word upwards.
+fn mix(x: u32) -> u32 {
+    let x = x.wrapping_mul(0x9E37_79B9);
+    (x ^ x >> 15).wrapping_mul(0x85EB_CA6B)
+}
+
+fn key(a: u32, b: u32) -> (u32, u32) {
+    (a.min(b), a.max(b))
 }
 
 fn duplicates(mesh: &Mesh, mut suspects: Vec<u32>) -> u64 {
@@ -157,4 +180,111 @@ fn duplicates(mesh: &Mesh, mut suspects: Vec<u32>) -> u64 {
         .collect();
     sets.sort_unstable();
     sets.windows(2).filter(|w| w[0] == w[1]).count() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::Point3;
+    use crate::mesh::random::Random;
+    use crate::mesh::shapes::cuboid;
+    use std::collections::BTreeMap;
+
+    fn report(mesh: &Mesh) -> Audit {
+        audit(mesh, &Adjacency::build(mesh))
+    }
+
+    #[test]
+    fn planted_faults_are_counted() {
+        let clean = cuboid([0.0; 3], [1.0, 2.0, 3.0]);
+        let good = report(&clean);
+        assert_eq!((good.triangles, good.shells, good.volume_mm3), (12, 1, 6.0));
+        assert_eq!(good.bounds, [[0; 3], [1_000_000, 2_000_000, 3_000_000]]);
+
+        let mut holed = clean.clone();
+        holed.triangles.remove(3);
+        assert_eq!(report(&holed).open_edges, 3);
+
+        let mut flipped = clean.clone();
+        flipped.triangles[3].swap(0, 1);
+        let found = report(&flipped);
+        assert_eq!((found.flipped_edges, found.open_edges, found.over_shared_edges), (3, 6, 0));
+
+        let mut doubled = clean.clone();
+        doubled.triangles.push(clean.triangles[3]);
+        let found = report(&doubled);
+        assert_eq!((found.duplicate_triangles, found.over_shared_edges, found.open_edges), (1, 3, 3));
+
+        let mut lid = clean.clone();
+        let [a, b, c] = clean.triangles[3];
+        lid.triangles.extend([[a, b, c], [c, b, a]]);
+        assert_eq!(report(&lid).duplicate_triangles, 2);
+        let leaf = Mesh { triangles: vec![[a, b, c], [b, a, c]], ..clean.clone() };
+        let found = report(&leaf);
+        assert_eq!((found.duplicate_triangles, found.open_edges, found.over_shared_edges), (1, 0, 0));
+        assert_eq!(report(&Mesh::default()), Audit::default());
+    }
+
+    #[test]
+    fn bodies_that_touch_along_an_edge_share_it_four_times() {
+        // Two tetrahedra on the edge 0-1.
+        let vertices = (0..6).map(|i| Point3::new(i * i, i * i * i, i)).collect();
+        let body = |c: u32, d: u32| vec![[0, 1, c], [1, 0, d], [0, c, d], [1, d, c]];
+        let mesh = Mesh { vertices, triangles: [body(2, 3), body(4, 5)].concat(), origin: [0; 3] };
+        let found = report(&mesh);
+        assert_eq!((found.over_shared_edges, found.open_edges, found.duplicate_triangles), (1, 0, 0));
+    }
+
+    #[test]
+    fn random_soups_agree_with_plain_counting() {
+        for seed in 0..300 {
+            let mut random = Random(seed);
+            let mesh = random.mesh(3 + seed as usize % 40, seed as usize);
+            let mut edges: BTreeMap<(u32, u32), (u64, u64)> = BTreeMap::new();
+            let mut sets: BTreeMap<[u32; 3], u64> = BTreeMap::new();
+            for t in &mesh.triangles {
+                for i in 0..3 {
+                    let (a, b) = (t[i], t[(i + 1) % 3]);
+                    let uses = edges.entry(key(a, b)).or_default();
+                    if a < b { uses.0 += 1 } else { uses.1 += 1 }
+                }
+                let mut set = *t;
+                set.sort_unstable();
+                *sets.entry(set).or_default() += 1;
+            }
+            let count = |f: &dyn Fn(&(u64, u64)) -> bool| edges.values().filter(|e| f(e)).count() as u64;
+            let found = report(&mesh);
+            assert_eq!(found.over_shared_edges, count(&|e| e.0 + e.1 > 2), "seed {seed}");
+            assert_eq!(found.flipped_edges, count(&|e| e.0.max(e.1) > 1 && e.0.min(e.1) == 0), "seed {seed}");
+            assert_eq!(
+                found.open_edges,
+                edges.values().map(|e| e.0.abs_diff(e.1)).sum::<u64>(),
+                "seed {seed}"
+            );
+            assert_eq!(found.duplicate_triangles, sets.values().map(|n| n - 1).sum::<u64>(), "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn shells_are_counted_in_any_order() {
+        use crate::mesh::shapes::{merge, moved, torus};
+        let ring = torus(10.0, 2.0, 40, 20);
+        let mut mesh =
+            merge(&[ring.clone(), moved(ring.clone(), [3.0, 0.0, 0.0]), moved(ring, [0.0, 0.0, 9.0])]);
+        let n = mesh.triangles.len();
+        mesh.triangles = (0..n).map(|i| mesh.triangles[i * 1009 % n]).collect();
+        assert_eq!(report(&mesh).shells, 3);
+        mesh.triangles.truncate(1);
+        assert_eq!(report(&mesh).shells, 1);
+    }
+
+    #[test]
+    fn volume_is_exact_at_the_lattices_corners() {
+        let m = crate::lattice::LIMIT - 1;
+        let mut mesh = cuboid([0.0; 3], [1.0; 3]);
+        for v in &mut mesh.vertices {
+            *v = Point3::new(m * v.x.signum(), m * v.y.signum(), m * v.z.signum());
+        }
+        assert_eq!(volume6(&mesh), 48 * i128::from(m).pow(3));
+    }
 }

@@ -11,6 +11,10 @@ use std::f64::consts::TAU;
 /// Its shells overlap; the part is their union by the non-zero rule. Each shell is closed and faces
 /// outwards. Heights are chosen off the usual layer planes.
 pub fn demo_part() -> Mesh {
+    merge(&parts())
+}
+
+fn parts() -> Vec<Mesh> {
     let top = 3.07;
     // Everything that stands on the plate is sunk into it a little, so that the union is one body.
     let foot = top - 0.83;
@@ -42,7 +46,7 @@ pub fn demo_part() -> Mesh {
         parts.push(cuboid([x, 3.0, foot], [x + thickness, 17.0, 12.07 + 1.1 * k as f64]));
     }
     parts.push(moved(letter_m(0.9), [41.5, 19.5, foot]));
-    merge(&parts)
+    parts
 }
 
 /// Half a sphere on its flat side.
@@ -85,4 +89,34 @@ fn letter_m(scale: f64) -> Mesh {
     ];
     let outline: Vec<[f64; 2]> = outline.iter().map(|p| p.map(|c| c * scale)).collect();
     prism(&outline, 0.0, 1.43)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Adjacency, audit};
+    use sha2::{Digest, Sha256};
+
+    #[test]
+    fn every_shell_is_closed_and_the_part_stands_on_the_bed() {
+        let part = demo_part();
+        let report = audit(&part, &Adjacency::build(&part));
+        assert_eq!((report.open_edges, report.over_shared_edges, report.flipped_edges), (0, 0, 0));
+        assert_eq!((report.shells, report.duplicate_triangles), (11, 0));
+        assert_eq!(report.bounds, [[0; 3], [60_000_000, 40_000_000, 30_000_000]]);
+        assert!((5_000..20_000).contains(&report.triangles), "{}", report.triangles);
+        for shell in parts() {
+            assert!(audit(&shell, &Adjacency::build(&shell)).volume_mm3 > 1.0);
+        }
+    }
+
+    #[test]
+    fn the_part_never_changes() {
+        let part = demo_part();
+        let mut hash = Sha256::new();
+        hash.update(bytemuck::cast_slice(&part.vertices));
+        hash.update(bytemuck::cast_slice(part.triangles.as_flattened()));
+        let hex: String = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
+        assert_eq!(hex, "cad0d225b0a17265d1db666a866547734a44c1f6da3dbe10740eb5b093a3e7fb");
+    }
 }

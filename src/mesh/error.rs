@@ -40,7 +40,7 @@ pub enum MeshError {
     #[error("{}: truncated: its header promises {claimed} facets, the file holds {held}; it was cut short or is not an STL model, copy or export it again", path.display())]
     Truncated { path: PathBuf, claimed: u64, held: u64 },
     /// An ASCII file that ends inside a facet.
-    #[error("{}: truncated: line {line}: the file ends inside a facet; copy or export it again", path.display())]
+    #[error("{}: truncated: line {line}: the file ends before its last facet does; copy or export it again", path.display())]
     CutShort { path: PathBuf, line: u64 },
     /// ASCII text that breaks the format.
     #[error("{}: line {line}: expected {expected}, found `{found}`; export the model again, as binary STL if possible", path.display())]

@@ -38,6 +38,7 @@ pub(super) struct Fault {
 ///
 /// The product is exact (24 bits times the 14 odd bits of 10^6), and with at most 38 significant
 /// bits adding a half cannot round up across an integer, so truncation gives the rounded value.
+#[inline(always)]
 pub(super) fn nm_from_f32(mm: f32) -> i64 {
     let nm = f64::from(mm) * NM_PER_MM;
     (nm + 0.5f64.copysign(nm)) as i64
@@ -69,13 +70,19 @@ pub(super) fn measure(soup: &impl Soup) -> Result<Frame, Fault> {
 
 impl Frame {
     /// A corner on the lattice; it must lie within the bounds that were measured.
+    #[inline(always)]
     pub(super) fn point(&self, corner: [f32; 3]) -> Point3 {
-        let at = |axis: usize| (nm_from_f32(corner[axis]) - self.origin[axis]) as i32;
-        Point3::new(at(0), at(1), at(2))
+        let [x, y, z] = corner;
+        Point3::new(
+            (nm_from_f32(x) - self.origin[0]) as i32,
+            (nm_from_f32(y) - self.origin[1]) as i32,
+            (nm_from_f32(z) - self.origin[2]) as i32,
+        )
     }
 }
 
 /// False for NaN too.
+#[inline(always)]
 fn near(mm: f32) -> bool {
     mm.abs() <= FAR
 }
@@ -114,4 +121,50 @@ fn find(soup: &impl Soup, is: impl Fn(f32, usize) -> bool, extent: Option<f64>) 
         }
     }
     Fault { facet: 0, corner: 0, axis: 0, value: 0.0, extent }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_is_to_nearest_halves_away_from_zero() {
+        assert_eq!(nm_from_f32(0.2), 200_000);
+        assert_eq!(nm_from_f32(-0.2), -200_000);
+        // 2^-7 mm = 7812.5 nm.
+        assert_eq!((nm_from_f32(0.007_812_5), nm_from_f32(-0.007_812_5)), (7813, -7813));
+        assert_eq!(nm_from_f32(f32::MIN_POSITIVE), 0);
+        assert_eq!(nm_from_f32(-0.0), 0);
+        for bits in (0..0x4980_0000u32).step_by(99_991) {
+            let v = f32::from_bits(bits);
+            assert_eq!(nm_from_f32(v), (f64::from(v) * NM_PER_MM).round() as i64, "{v}");
+            assert_eq!(nm_from_f32(-v), -nm_from_f32(v), "{v}");
+        }
+    }
+
+    #[test]
+    fn moving_the_input_moves_the_origin_alone() {
+        let soup = vec![[[0.125, 0.25, 0.5], [3.75, -1.0, 2.0], [1.5, 7.625, -9.0]]];
+        let at = measure(&soup).map(|f| (f, f.point(soup[0][0]), f.point(soup[0][2])));
+        for shift in [0.125f32, -3.5, 1000.0, -20_000.875] {
+            let moved: Vec<_> = soup.iter().map(|t| t.map(|c: [f32; 3]| c.map(|v| v + shift))).collect();
+            let got = measure(&moved).map(|f| (f, f.point(moved[0][0]), f.point(moved[0][2])));
+            let (Ok(at), Ok(got)) = (&at, &got) else { unreachable!("both are in range") };
+            assert_eq!((at.1, at.2), (got.1, got.2), "{shift}");
+            assert_eq!(at.0.origin.map(|o| o + nm_from_f32(shift)), got.0.origin, "{shift}");
+        }
+    }
+
+    #[test]
+    fn the_reach_of_the_lattice_is_checked() {
+        let soup = |lo: f32, hi: f32| vec![[[lo, 0.0, 0.0], [hi, 0.0, 0.0], [0.0, 1.0, 0.0]]];
+        assert!(measure(&soup(0.0, 2147.4836)).is_ok());
+        let fault = measure(&soup(0.0, 2147.484));
+        assert!(
+            matches!(fault, Err(Fault { facet: 0, corner: 1, axis: 0, extent: Some(_), .. })),
+            "{fault:?}"
+        );
+        assert!(matches!(measure(&soup(0.0, f32::NAN)), Err(Fault { corner: 1, extent: None, .. })));
+        assert!(matches!(measure(&soup(-2e6, 0.0)), Err(Fault { corner: 0, extent: None, .. })));
+    }
 }

@@ -6,12 +6,16 @@
 
 mod adjacency;
 pub mod audit;
+#[cfg(test)]
+mod bad_input;
 pub mod demo_part;
 mod detect;
 pub mod error;
 mod frame;
 pub mod load;
 pub mod place;
+#[cfg(test)]
+mod random;
 pub mod repair;
 pub mod shapes;
 mod stl;

@@ -139,3 +139,65 @@ fn inside(bed: &[[f64; 2]], p: [f64; 2]) -> bool {
         turn * (u[0] * v[1] - u[1] * v[0]) >= -SLACK * length
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::{cuboid, cylinder, moved};
+
+    const BED: [[f64; 2]; 4] = [[0.0, 0.0], [200.0, 0.0], [200.0, 200.0], [0.0, 200.0]];
+
+    fn round_bed() -> Vec<[f64; 2]> {
+        (0..64)
+            .map(|i| std::f64::consts::TAU * f64::from(i) / 64.0)
+            .map(|a| [100.0 * libm::cos(a), 100.0 * libm::sin(a)])
+            .collect()
+    }
+
+    #[test]
+    fn dropping_centres_and_changes_the_origin_alone() {
+        let before = cuboid([1000.0, -7.0, -3.000_001], [1010.0, 13.000_001, 40.0]);
+        let mut mesh = before.clone();
+        assert_eq!(place(&mut mesh, &BED, Placement::DropAndCentre), Ok(()));
+        assert_eq!((&mesh.vertices, &mesh.triangles), (&before.vertices, &before.triangles));
+        let bounds = mesh.world_bounds().unwrap_or_default();
+        assert_eq!((bounds[0][0], bounds[1][0], bounds[0][2]), (95_000_000, 105_000_000, 0));
+        assert_eq!((mesh.origin[0] % 1000, mesh.origin[1] % 1000), (0, 0));
+        assert!((bounds[0][1] + bounds[1][1] - 200_000_000).abs() <= 1001);
+        let offset = [[-50.0, -20.0], [50.0, -20.0], [50.0, 80.0], [-50.0, 80.0]];
+        assert_eq!(place(&mut mesh, &offset, Placement::DropAndCentre), Ok(()));
+        assert_eq!(mesh.origin[0], 0);
+        let mut kept = before.clone();
+        assert_eq!(place(&mut kept, &BED, Placement::Keep), Ok(()));
+        assert_eq!(kept, before);
+    }
+
+    #[test]
+    fn what_does_not_fit_says_why() {
+        let check = |mesh: Mesh, bed: &[[f64; 2]], height: f64| fits(&mesh, bed, height);
+        let part = |x: f64, y: f64, z: f64| cuboid([0.0; 3], [x, y, z]);
+        assert_eq!(check(part(200.0, 200.0, 200.0), &BED, 200.0), Ok(()));
+        assert!(matches!(check(part(200.1, 10.0, 9.0), &BED, 0.0), Err(PlaceError::TooLarge { .. })));
+        assert!(matches!(check(part(10.0, 10.0, 200.1), &BED, 200.0), Err(PlaceError::TooHigh { .. })));
+        assert_eq!(check(part(10.0, 10.0, 1000.0), &BED, 0.0), Ok(()));
+        let shifted = moved(part(10.0, 10.0, 9.0), [195.0, 0.0, 0.0]);
+        assert!(matches!(check(shifted, &BED, 0.0), Err(PlaceError::OffBed { .. })));
+        let sunk = moved(part(10.0, 10.0, 9.0), [0.0, 0.0, -1.0]);
+        assert_eq!(check(sunk, &BED, 0.0), Err(PlaceError::BelowBed { depth: 1.0 }));
+        assert_eq!(check(Mesh::default(), &BED, 0.0), Err(PlaceError::Empty));
+        assert_eq!(check(part(1.0, 1.0, 1.0), &BED[..2], 0.0), Err(PlaceError::BadBed { points: 2 }));
+        let nan = [[0.0, f64::NAN], [1.0, 0.0], [1.0, 1.0]];
+        assert_eq!(check(part(1.0, 1.0, 1.0), &nan, 0.0), Err(PlaceError::BadBed { points: 3 }));
+    }
+
+    #[test]
+    fn on_a_round_bed_the_outline_counts_and_not_the_box() {
+        let bed = round_bed();
+        assert_eq!(fits(&cylinder(99.0, 5.0, 100), &bed, 0.0), Ok(()));
+        let square = cuboid([-80.0, -80.0, 0.0], [80.0, 80.0, 5.0]);
+        assert!(matches!(fits(&square, &bed, 0.0), Err(PlaceError::TooLarge { .. })));
+        let clockwise: Vec<_> = bed.into_iter().rev().collect();
+        assert_eq!(fits(&cylinder(99.0, 5.0, 100), &clockwise, 0.0), Ok(()));
+        assert!(matches!(fits(&square, &clockwise, 0.0), Err(PlaceError::TooLarge { .. })));
+    }
+}

@@ -15,3 +15,20 @@ pub fn flip_if_inside_out(mesh: &mut Mesh) -> bool {
     }
     inside_out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::sphere;
+
+    #[test]
+    fn only_inside_out_meshes_are_turned() {
+        let good = sphere(5.0, 20, 10);
+        let mut mesh = good.clone();
+        assert!(!flip_if_inside_out(&mut mesh));
+        assert_eq!(mesh, good);
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        assert!(flip_if_inside_out(&mut mesh));
+        assert_eq!(mesh, good);
+    }
+}

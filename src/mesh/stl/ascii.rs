@@ -86,6 +86,7 @@ impl Soup for Ascii {
         self.facets.len()
     }
 
+    #[inline(always)]
     fn facet(&self, index: usize) -> [[f32; 3]; 3] {
         self.facets[index]
     }
@@ -179,6 +180,8 @@ impl<'a> Words<'a> {
             } else if is(word, "endsolid") {
                 self.skip_name();
                 read.ended = true;
+            } else if self.at == self.text.len() && "endsolid".starts_with(&*String::from_utf8_lossy(word)) {
+                break;
             } else {
                 return Err(fault(self.text, Some((word, at)), "`facet`, `endsolid` or `solid`"));
             }
@@ -210,7 +213,100 @@ impl<'a> Words<'a> {
 }
 
 fn fault(text: &[u8], word: Option<(&[u8], usize)>, expected: &'static str) -> Fault {
-    // A word may be the rest of a binary file: show its beginning only.
-    let found = word.map(|(w, _)| String::from_utf8_lossy(&w[..w.len().min(40)]).escape_debug().to_string());
-    Fault { at: word.map_or(text.len(), |(_, at)| at), expected, found }
+    match word {
+        // A word that ends with the file may have been cut with it.
+        Some((word, at)) if at + word.len() < text.len() => {
+            // It may also be the rest of a binary file: show its beginning only.
+            let shown = String::from_utf8_lossy(&word[..word.len().min(40)]).escape_debug().to_string();
+            Fault { at, expected, found: Some(shown) }
+        }
+        _ => Fault { at: text.len(), expected, found: None },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ONE: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
+        endloop\nendfacet\nendsolid a\n";
+
+    fn facets(text: &str) -> Result<usize, Fault> {
+        parse(text.as_bytes()).map(|a| a.facets.len())
+    }
+
+    #[test]
+    fn any_white_space_case_and_name_will_do() {
+        let expected = parse(ONE.as_bytes());
+        assert!(expected.as_ref().is_ok_and(|a| a.ended && a.facets[0][1] == [1.0, 0.0, 0.0]));
+        for variant in [
+            ONE.to_uppercase(),
+            ONE.replace('\n', "\r\n"),
+            ONE.replace('\n', "\r"),
+            ONE.replace('\n', "\n\n\t "),
+            ONE.replace("solid a\nf", "solid a f").replace("\nv", " v").replace("p\nendf", "p endf"),
+            ONE.replace('\n', " "),
+            ONE.replace("solid a", "solid facet vertex endsolid 1"),
+            ONE.replace("solid a", "solid"),
+            ONE.replace("0 0 1", "nan -nan(ind) 1,0"),
+            ONE.replace("vertex 1 0 0", "vertex +1.e0 .0 0e-3"),
+        ] {
+            assert_eq!(parse(variant.as_bytes()), expected, "{variant}");
+        }
+        assert!(parse(ONE.replace("endsolid a", "").as_bytes()).is_ok_and(|a| !a.ended));
+        assert!(parse(&ONE.as_bytes()[..ONE.len() - 6]).is_ok_and(|a| !a.ended), "cut in `endsolid`");
+        assert_eq!(facets(&ONE.repeat(3)), Ok(3));
+        assert_eq!(facets("solid x\nendsolid x"), Ok(0));
+    }
+
+    #[test]
+    fn faults_name_their_line() {
+        let check = |from: &str, to: &str, expected: &str, at_line: u64| {
+            let text = ONE.replacen(from, to, 1);
+            let fault = parse(text.as_bytes()).err();
+            let found = fault.map(|f| (f.expected, line(text.as_bytes(), f.at)));
+            assert_eq!(found, Some((expected, at_line)), "{to}");
+        };
+        check("vertex 1 0 0", "vertex 1,0 0 0", "a number", 5);
+        check("vertex 1 0 0", "vertex 1 0", "a number", 6);
+        check("vertex 1 0 0", "vertex 1 0 0 0", "vertex", 5);
+        check("vertex 0 1 0\n", "", "vertex", 6);
+        check("vertex 0 1 0", "vertex 0 1 0\nvertex 0 0 0", "endloop", 7);
+        check("endfacet\n", "", "endfacet", 8);
+        check("facet", "facets", "`facet`, `endsolid` or `solid`", 2);
+        for cut in ONE.find("normal").into_iter().chain([60, 70, 80, 90]) {
+            let fault = parse(&ONE.as_bytes()[..cut]).err();
+            assert!(fault.is_some_and(|f| f.found.is_none()), "{cut}");
+        }
+    }
+
+    #[test]
+    fn pieces_of_any_size_read_the_same() {
+        let mut text = String::new();
+        for i in 0..40 {
+            text += &ONE
+                .replace("vertex 1 0 0", &format!("vertex {i}.5 0 {i}e-3"))
+                .replace("solid a", "solid facet");
+        }
+        let whole = parse_pieces(text.as_bytes(), usize::MAX / 2);
+        assert!(whole.as_ref().is_ok_and(|a| a.facets.len() == 40));
+        let broken = text.replace("vertex 17.5", "vertex 17.5.");
+        let fault = parse_pieces(broken.as_bytes(), usize::MAX / 2);
+        for piece in 1..400 {
+            assert_eq!(parse_pieces(text.as_bytes(), piece), whole, "{piece}");
+            assert_eq!(parse_pieces(broken.as_bytes(), piece), fault, "{piece}");
+        }
+        let unfinished = text.replacen("endfacet\n", "", 1);
+        let lines = |piece| {
+            parse_pieces(unfinished.as_bytes(), piece).err().map(|f| line(unfinished.as_bytes(), f.at))
+        };
+        assert!((1..400).all(|piece| lines(piece) == Some(8) || lines(piece) == Some(9)));
+    }
+
+    #[test]
+    fn a_corners_line_is_found_again() {
+        let text = ONE.replace("solid a", "solid vertex").repeat(2);
+        assert_eq!(line_of_corner(text.as_bytes(), 0, 2), 6);
+        assert_eq!(line_of_corner(text.as_bytes(), 1, 0), 13);
+    }
 }

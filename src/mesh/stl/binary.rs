@@ -36,9 +36,14 @@ impl Soup for Binary<'_> {
         self.facets.len()
     }
 
+    #[inline(always)]
     fn facet(&self, index: usize) -> [[f32; 3]; 3] {
         let bytes = &self.facets[index];
-        let float = |at: usize| f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
-        [12, 24, 36].map(|at| [float(at), float(at + 4), float(at + 8)])
+        let mut corners = [[0.0; 3]; 3];
+        for (k, c) in corners.as_flattened_mut().iter_mut().enumerate() {
+            let at = 12 + 4 * k;
+            *c = f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
+        }
+        corners
     }
 }
