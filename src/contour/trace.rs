@@ -136,12 +136,12 @@ fn spans(mesh: &Mesh, planes: &[i32], threads: usize) -> Result<Vec<Vec<Span>>, 
         .enumerate()
         .map(|(b, triangles)| {
             let mut spans = Vec::new();
-            for (t, &[a, b, c]) in (b * block..).zip(triangles) {
-                let get = |v: u32| {
-                    let (triangle, vertices) = (t, level.len());
-                    level.get(v as usize).copied().ok_or(TraceError::Vertex { triangle, vertex: v, vertices })
+            for (t, corners) in (b * block..).zip(triangles) {
+                let [a, b, c] = *corners;
+                let get = |v: u32| level.get(v as usize).copied();
+                let (Some(a), Some(b), Some(c)) = (get(a), get(b), get(c)) else {
+                    return Err(missing_vertex(t, *corners, level.len()));
                 };
-                let (a, b, c) = (get(a)?, get(b)?, get(c)?);
                 let (first, end) = (a.min(b).min(c), a.max(b).max(c));
                 if first < end {
                     spans.push(Span { triangle: t as u32, first, end });
@@ -150,6 +150,11 @@ fn spans(mesh: &Mesh, planes: &[i32], threads: usize) -> Result<Vec<Vec<Span>>, 
             Ok(spans)
         })
         .collect()
+}
+
+fn missing_vertex(triangle: usize, corners: [u32; 3], vertices: usize) -> TraceError {
+    let vertex = corners[0].max(corners[1]).max(corners[2]);
+    TraceError::Vertex { triangle, vertex, vertices }
 }
 
 /// Counts planes at or below a height, from a table of evenly spaced cells.
