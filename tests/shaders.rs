@@ -2,6 +2,8 @@
 //! more capabilities than a device is asked for, keeps floats off coordinates, has the bindings that
 //! the registry states, and its uniform has the layout of the Rust structure. Needs no device.
 
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
 use microtome::shaders::{AddSizes, Binding, Kernel, ScanSizes, SliceSizes, sources};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
