@@ -1,4 +1,29 @@
 //! Bytes to an indexed triangle mesh on the lattice.
+//!
+//! [`load`] reads, measures and welds; [`Adjacency::build`] pairs the half-edges; [`audit()`] says what
+//! is wrong with a mesh; [`place()`] moves its origin onto the bed. [`shapes`] and [`demo_part()`] make
+//! meshes without a file.
+
+mod adjacency;
+pub mod audit;
+pub mod demo_part;
+mod detect;
+pub mod error;
+mod frame;
+pub mod load;
+pub mod place;
+pub mod repair;
+pub mod shapes;
+mod stl;
+pub mod stl_write;
+mod weld;
+
+pub use audit::{Audit, audit};
+pub use demo_part::demo_part;
+pub use error::{MeshError, Place};
+pub use load::{Loaded, Warning, load, load_bytes};
+pub use place::{PlaceError, Placement, fits, place};
+pub use repair::flip_if_inside_out;
 
 use crate::lattice::Point3;
 
@@ -14,6 +39,27 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// World position of the lattice's zero \[nm\].
     pub origin: [i64; 3],
+}
+
+impl Mesh {
+    /// Lowest and highest coordinate of the vertices along x, y, z \[nm\], mesh frame. `None` without
+    /// vertices.
+    pub fn bounds(&self) -> Option<[Point3; 2]> {
+        let first = *self.vertices.first()?;
+        let (mut lo, mut hi) = (first, first);
+        for v in &self.vertices {
+            lo = Point3::new(lo.x.min(v.x), lo.y.min(v.y), lo.z.min(v.z));
+            hi = Point3::new(hi.x.max(v.x), hi.y.max(v.y), hi.z.max(v.z));
+        }
+        Some([lo, hi])
+    }
+
+    /// [`Mesh::bounds`] in the world \[nm\].
+    pub fn world_bounds(&self) -> Option<[[i64; 3]; 2]> {
+        let [x, y, z] = self.origin;
+        let world = |p: Point3| [x + i64::from(p.x), y + i64::from(p.y), z + i64::from(p.z)];
+        Some(self.bounds()?.map(world))
+    }
 }
 
 /// The half-edge that a half-edge meets: half-edge `3 t + i` runs from corner `i` to corner
