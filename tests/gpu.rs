@@ -5,6 +5,8 @@
 
 #[path = "gpu/compare.rs"]
 mod compare;
+#[path = "kernels/mod.rs"]
+mod kernels;
 #[path = "gpu/limits.rs"]
 mod limits;
 #[path = "gpu/meshes.rs"]

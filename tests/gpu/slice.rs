@@ -172,7 +172,7 @@ fn corners(bench: &Bench) -> Result<(), Failed> {
     leaning.vertices.iter_mut().filter(|v| v.z > 0).for_each(|v| (v.x, v.y) = (-v.x, -v.y));
     check(&mut slicer, "leaning", &leaning, &heights)?;
     let mut thin = whole;
-    thin.vertices.iter_mut().for_each(|v| v.z = v.z.min(0).max(-1));
+    thin.vertices.iter_mut().for_each(|v| v.z = v.z.clamp(-1, 0));
     check(&mut slicer, "one step thin", &thin, &heights)?;
     for seed in 0..4 {
         let mesh = soup(3_000, seed, TOP);

@@ -1,34 +1,18 @@
 //! 64-bit arithmetic on pairs of u32, and the fold of a really large dispatch.
 
 use crate::compare::{ensure, same};
+use crate::kernels::{DIVIDE, FOLD};
 use crate::meshes::Random;
 use crate::{Bench, Test};
 use libtest_mimic::Failed;
 use microtome::gpu::dispatch::Recording;
 use microtome::gpu::{Buffer, Device, GpuError};
-use microtome::shaders::{Binding, Kernel};
 
 pub const TESTS: &[Test] = &[
     ("wide_arithmetic_equals_u64", wide),
     ("dispatch_crosses_the_fold", fold),
     ("dispatch_goes_past_65535_groups", really_large),
 ];
-
-const DIVIDE: Kernel = Kernel {
-    name: "divide",
-    wgsl: concat!(
-        include_str!("../../shaders/shared/grid.wgsl"),
-        include_str!("../../shaders/shared/wide.wgsl"),
-        include_str!("../kernels/divide.wgsl")
-    ),
-    bindings: &[Binding::Uniform, Binding::Read, Binding::Write],
-};
-
-const FOLD: Kernel = Kernel {
-    name: "fold",
-    wgsl: concat!(include_str!("../../shaders/shared/grid.wgsl"), include_str!("../kernels/fold.wgsl")),
-    bindings: &[Binding::Uniform, Binding::Write],
-};
 
 fn wide(bench: &Bench) -> Result<(), Failed> {
     const TOP: u32 = (1 << 31) - 1;
