@@ -61,23 +61,15 @@ pub struct Submission {
 }
 
 impl<'d> Recording<'d> {
-    /// An empty recording.
+    /// An empty recording, which times its kernels if asked to and if the device has a clock.
     ///
     /// # Errors
-    /// [`GpuError::Lost`] and the like.
-    pub fn new(device: &'d Device) -> Result<Self, GpuError> {
+    /// [`GpuError::Lost`], [`GpuError::OutOfMemory`] and the like.
+    pub fn new(device: &'d Device, timed: bool) -> Result<Self, GpuError> {
         let descriptor = wgpu::CommandEncoderDescriptor { label: None };
         let encoder = device.guarded(|| device.raw.create_command_encoder(&descriptor))?;
-        Ok(Self { device, encoder, stamps: None })
-    }
-
-    /// An empty recording that times its kernels, where the device has a clock.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn timed(device: &'d Device) -> Result<Self, GpuError> {
-        let stamps = Stamps::new(device)?;
-        Ok(Self { stamps, ..Self::new(device)? })
+        let stamps = if timed { Stamps::new(device)? } else { None };
+        Ok(Self { device, encoder, stamps })
     }
 
     /// Runs a kernel over `items` invocations. `sizes` is its uniform, `arrays` its other bindings.
@@ -128,7 +120,7 @@ impl<'d> Recording<'d> {
         })
     }
 
-    /// Copies an array for the host to [`Submission::read`] later.
+    /// Copies an array for the host to [`Readback::take`] later.
     ///
     /// # Errors
     /// [`GpuError::OutOfMemory`] and the like.
@@ -153,8 +145,8 @@ impl<'d> Recording<'d> {
 }
 
 impl Submission {
-    /// What each kernel took, in the order of the dispatches; empty unless the recording was
-    /// [`Recording::timed`] on a device with a clock, and when called again.
+    /// What each kernel took, in the order of the dispatches; empty when nothing was timed, and
+    /// when called again.
     ///
     /// # Errors
     /// As [`Readback::take`].

@@ -112,29 +112,10 @@ impl GpuSlicer {
     /// # Errors
     /// [`GpuError::TooLarge`] when the run has more than [`Self::max_segments`]; a lost or hung device.
     pub fn slice(&mut self, mesh: &GpuMesh, planes: &[i32]) -> Result<Segments, GpuError> {
-        let (device, timed) = (&*self.device, self.times.is_some());
-        let triangles = mesh.triangles.len();
-        let sizes = SliceSizes { triangles: triangles as u32, planes: planes.len() as u32, padding: [0; 2] };
-        self.planes.replace(device, planes)?;
-        self.first.resize(device, triangles)?;
-        self.count.resize(device, triangles)?;
-        self.offset.resize(device, triangles + 1)?;
-        let mut recording = if timed { Recording::timed(device)? } else { Recording::new(device)? };
-        recording.dispatch(
-            &SLICE_COUNT,
-            &sizes,
-            &[&mesh.vertices, &mesh.triangles, &self.planes, &self.first, &self.count],
-            triangles as u64,
-        )?;
-        scan::record(device, &mut recording, &mut self.scratch, &self.count, &self.offset)?;
-        let first = recording.read_back(&self.first)?;
-        let offset = recording.read_back(&self.offset)?;
-        let mut submission = recording.submit()?;
-        let (first, offset) = (first.take(device, &submission)?, offset.take(device, &submission)?);
-        if let Some(times) = &mut self.times {
-            times.extend(submission.times(device)?);
-        }
-
+        let triangles = mesh.triangles.len() as u32;
+        let sizes = SliceSizes { triangles, planes: planes.len() as u32, padding: [0; 2] };
+        self.planes.replace(&self.device, planes)?;
+        let (first, offset) = self.count(mesh, &sizes)?;
         // The true total, before anything is allocated for it.
         let (total, limit) = (exact_total(&offset), self.max_segments());
         if total > limit {
@@ -145,12 +126,47 @@ impl GpuSlicer {
                 limit,
             });
         }
-        self.start.resize(device, total as usize)?;
-        self.next.resize(device, total as usize)?;
-        let mut recording = if timed { Recording::timed(device)? } else { Recording::new(device)? };
+        let (start, next) = self.emit(mesh, &sizes, total as usize)?;
+        Ok(Segments { first, offset, start, next })
+    }
+
+    /// First plane and first slot of every triangle, left on the device and brought back.
+    fn count(&mut self, mesh: &GpuMesh, sizes: &SliceSizes) -> Result<(Vec<u32>, Vec<u32>), GpuError> {
+        let (device, triangles) = (&*self.device, mesh.triangles.len());
+        self.first.resize(device, triangles)?;
+        self.count.resize(device, triangles)?;
+        self.offset.resize(device, triangles + 1)?;
+        let mut recording = Recording::new(device, self.times.is_some())?;
+        recording.dispatch(
+            &SLICE_COUNT,
+            sizes,
+            &[&mesh.vertices, &mesh.triangles, &self.planes, &self.first, &self.count],
+            triangles as u64,
+        )?;
+        scan::record(device, &mut recording, &mut self.scratch, &self.count, &self.offset)?;
+        let (first, offset) = (recording.read_back(&self.first)?, recording.read_back(&self.offset)?);
+        let mut submission = recording.submit()?;
+        let result = (first.take(device, &submission)?, offset.take(device, &submission)?);
+        if let Some(times) = &mut self.times {
+            times.extend(submission.times(device)?);
+        }
+        Ok(result)
+    }
+
+    /// Start and successor of every segment.
+    fn emit(
+        &mut self,
+        mesh: &GpuMesh,
+        sizes: &SliceSizes,
+        total: usize,
+    ) -> Result<(Vec<Point2>, Vec<u32>), GpuError> {
+        let device = &*self.device;
+        self.start.resize(device, total)?;
+        self.next.resize(device, total)?;
+        let mut recording = Recording::new(device, self.times.is_some())?;
         recording.dispatch(
             &SLICE_EMIT,
-            &sizes,
+            sizes,
             &[
                 &mesh.vertices,
                 &mesh.triangles,
@@ -161,16 +177,15 @@ impl GpuSlicer {
                 &self.start,
                 &self.next,
             ],
-            triangles as u64,
+            mesh.triangles.len() as u64,
         )?;
-        let start = recording.read_back(&self.start)?;
-        let next = recording.read_back(&self.next)?;
+        let (start, next) = (recording.read_back(&self.start)?, recording.read_back(&self.next)?);
         let mut submission = recording.submit()?;
-        let (start, next) = (start.take(device, &submission)?, next.take(device, &submission)?);
+        let result = (start.take(device, &submission)?, next.take(device, &submission)?);
         if let Some(times) = &mut self.times {
             times.extend(submission.times(device)?);
         }
-        Ok(Segments { first, offset, start, next })
+        Ok(result)
     }
 
     /// Slices run after run (see [`super::chunk::runs`]) and hands over each one's segments, whose plane

@@ -19,6 +19,7 @@ pub const TESTS: &[Test] = &[
     ("a_wrong_binding_is_an_error_and_the_device_survives", validation),
     ("a_hung_kernel_is_a_timeout", watchdog),
     ("a_lost_device_is_an_error", lost),
+    ("every_kernel_is_timed", times),
 ];
 
 fn binding(bench: &Bench) -> Result<(), Failed> {
@@ -53,7 +54,7 @@ fn binding(bench: &Bench) -> Result<(), Failed> {
 fn validation(bench: &Bench) -> Result<(), Failed> {
     let device = bench.open(Options::default())?;
     let array = Buffer::<u32>::zeroed(&device, "array", 10)?;
-    let mut recording = Recording::new(&device)?;
+    let mut recording = Recording::new(&device, false)?;
     // One array where the kernel has two.
     let wrong = recording.dispatch(&SCAN_ADD, &[1u32, 0, 0, 0], &[&array], 1);
     ensure(matches!(wrong, Err(GpuError::Validation(_))), format!("{wrong:?}"))?;
@@ -73,7 +74,7 @@ fn watchdog(bench: &Bench) -> Result<(), Failed> {
     let options = Options { watchdog: Duration::from_nanos(1), ..Options::default() };
     let device = bench.open(options)?;
     let items = Buffer::<u32>::zeroed(&device, "items", 1 << 22)?;
-    let mut recording = Recording::new(&device)?;
+    let mut recording = Recording::new(&device, false)?;
     // More than any device does between the submission and the next call.
     for _ in 0..40 {
         recording.dispatch(&FOLD, &[1u32 << 22, 0, 0, 0], &[&items], 1 << 22)?;
@@ -99,4 +100,17 @@ fn lost(bench: &Bench) -> Result<(), Failed> {
     ensure(matches!(lost, Err(GpuError::Lost(_))), format!("{lost:?}"))?;
     let lost = GpuSlicer::new(device).map(drop);
     ensure(matches!(lost, Err(GpuError::Lost(_))), format!("{lost:?}"))
+}
+
+fn times(bench: &Bench) -> Result<(), Failed> {
+    let mut slicer = GpuSlicer::new(bench.plain()?)?.with_timing();
+    let mesh = shapes::torus(30.0, 11.0, 60, 60);
+    let resident = slicer.upload(&mesh, &Adjacency::build(&mesh))?;
+    slicer.slice(&resident, &planes(&mesh, 20))?;
+    let kernels: Vec<_> = slicer.take_times().into_iter().map(|time| time.kernel).collect();
+    // 7,201 sums are four blocks: a scan of two levels.
+    let all = ["slice_count", "scan_block", "scan_block", "scan_add", "slice_emit"];
+    let expected = if slicer.device().info().timestamps { &all[..] } else { &[] };
+    ensure(kernels == expected, format!("{kernels:?}"))?;
+    ensure(slicer.take_times().is_empty(), "times are handed over once")
 }

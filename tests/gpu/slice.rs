@@ -42,7 +42,7 @@ fn count(
     let heights = Buffer::upload(device, "planes", planes)?;
     let first = Buffer::<u32>::zeroed(device, "first", triangles.len())?;
     let count = Buffer::<u32>::zeroed(device, "count", triangles.len())?;
-    let mut recording = Recording::new(device)?;
+    let mut recording = Recording::new(device, false)?;
     let arrays: [&dyn microtome::gpu::dispatch::Bind; 5] = [&vertices, &triangles, &heights, &first, &count];
     recording.dispatch(kernel, &sizes(mesh, planes), &arrays, triangles.len() as u64)?;
     let (first, count) = (recording.read_back(&first)?, recording.read_back(&count)?);
@@ -69,7 +69,7 @@ fn emit(
     let offsets = Buffer::upload(device, "offset", &offset)?;
     let start = Buffer::<Point2>::zeroed(device, "start", total)?;
     let next = Buffer::<u32>::zeroed(device, "next", total)?;
-    let mut recording = Recording::new(device)?;
+    let mut recording = Recording::new(device, false)?;
     let arrays: [&dyn microtome::gpu::dispatch::Bind; 8] =
         [&vertices, &triangles, &heights, &twin, &firsts, &offsets, &start, &next];
     recording.dispatch(kernel, &sizes(mesh, planes), &arrays, triangles.len() as u64)?;

@@ -37,7 +37,7 @@ fn wide(bench: &Bench) -> Result<(), Failed> {
     let device = &*bench.plain()?;
     let input = Buffer::upload(device, "operands", &operands)?;
     let output = Buffer::<[u32; 3]>::zeroed(device, "results", operands.len())?;
-    let mut recording = Recording::new(device)?;
+    let mut recording = Recording::new(device, false)?;
     let sizes = [operands.len() as u32, 0, 0, 0];
     recording.dispatch(&DIVIDE, &sizes, &[&input, &output], operands.len() as u64)?;
     let results = recording.read_back(&output)?;
@@ -58,7 +58,7 @@ fn wide(bench: &Bench) -> Result<(), Failed> {
 
 fn run_fold(device: &Device, items: usize) -> Result<Vec<u32>, GpuError> {
     let buffer = Buffer::<u32>::zeroed(device, "items", items)?;
-    let mut recording = Recording::new(device)?;
+    let mut recording = Recording::new(device, false)?;
     recording.dispatch(&FOLD, &[items as u32, 0, 0, 0], &[&buffer], items as u64)?;
     let result = recording.read_back(&buffer)?;
     result.take(device, &recording.submit()?)
