@@ -5,6 +5,8 @@
 
 #[path = "gpu/compare.rs"]
 mod compare;
+#[path = "kernels/mod.rs"]
+mod kernels;
 #[path = "gpu/limits.rs"]
 mod limits;
 #[path = "gpu/meshes.rs"]
@@ -70,11 +72,14 @@ fn main() -> ExitCode {
         }
         Err(error) => {
             let ignored = |(name, _): Test| {
-                Trial::test(format!("{name} [no device]"), || Ok(())).with_ignored_flag(true)
+                Trial::test(format!("{name} [no device]"), || Err("no device".into())).with_ignored_flag(true)
             };
             let mut trials: Vec<_> = tests.into_iter().map(ignored).collect();
             if required {
-                let message = format!("a device is required, but {error}");
+                let message = match &asked {
+                    Some(_) => error.to_string(),
+                    None => "MICROTOME_REQUIRE_GPU=1, but there is no device".to_owned(),
+                };
                 trials.push(Trial::test("a device is there", move || Err(message.into())));
             }
             trials

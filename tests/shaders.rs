@@ -2,6 +2,11 @@
 //! more capabilities than a device is asked for, keeps floats off coordinates, has the bindings that
 //! the registry states, and its uniform has the layout of the Rust structure. Needs no device.
 
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+#[path = "kernels/mod.rs"]
+mod kernels;
+
 use microtome::shaders::{AddSizes, Binding, Kernel, ScanSizes, SliceSizes, sources};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
@@ -101,7 +106,7 @@ fn foreign_types(module: &Module) -> Vec<String> {
 
 #[test]
 fn every_shader_validates_without_any_capability() {
-    for kernel in sources() {
+    for kernel in sources().iter().chain(&[kernels::DIVIDE, kernels::FOLD]) {
         let module = parse(kernel);
         let entry = &module.entry_points[0];
         assert_eq!((module.entry_points.len(), entry.name.as_str()), (1, "main"), "{}", kernel.name);
@@ -152,7 +157,7 @@ fn no_shader_knows_floats_or_64_bit_integers() {
 
 #[test]
 fn bindings_are_as_registered() {
-    for kernel in sources() {
+    for kernel in sources().iter().chain(&[kernels::DIVIDE, kernels::FOLD]) {
         let registered: Vec<_> = (0..).zip(kernel.bindings.iter().copied()).collect();
         assert_eq!(bindings(&parse(kernel)), registered, "{}", kernel.name);
         let arrays = kernel.bindings.iter().filter(|&&b| b != Binding::Uniform).count();

@@ -108,6 +108,10 @@ pub fn pick(adapters: &[AdapterInfo], selection: &Selection) -> Result<usize, Gp
 }
 
 fn enumerate() -> Vec<Adapter> {
+    // wgpu panics when it was built for a system that none of its backends knows.
+    if wgpu::Instance::enabled_backend_features().is_empty() {
+        return Vec::new();
+    }
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
     // Neither debug names nor validation layers: what runs does not depend on how this was built.

@@ -3,6 +3,7 @@
 use super::{Device, GpuError};
 use bytemuck::Pod;
 use std::marker::PhantomData;
+use std::sync::{Arc, Mutex};
 
 /// A binding is never empty, and its size is a multiple of every element's \[bytes\].
 const SMALLEST: u64 = 16;
@@ -13,7 +14,12 @@ pub struct Buffer<T> {
     what: &'static str,
     len: usize,
     element: PhantomData<T>,
+    /// Host-visible memory for reading back, kept from one time to the next.
+    pub(super) staging: Staging,
 }
+
+/// Memory that wandered from an array to its [`super::dispatch::Readback`] and back.
+pub(super) type Staging = Arc<Mutex<Option<wgpu::Buffer>>>;
 
 impl<T: Pod> Buffer<T> {
     /// A zeroed array. `what` names it in errors.
@@ -23,7 +29,7 @@ impl<T: Pod> Buffer<T> {
     pub fn zeroed(device: &Device, what: &'static str, len: usize) -> Result<Self, GpuError> {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         let raw = allocate(device, what, byte_len::<T>(len), usage)?;
-        Ok(Self { raw, what, len, element: PhantomData })
+        Ok(Self { raw, what, len, element: PhantomData, staging: Staging::default() })
     }
 
     /// A copy of `data`.
@@ -43,8 +49,10 @@ impl<T: Pod> Buffer<T> {
     /// As [`Self::zeroed`].
     pub fn resize(&mut self, device: &Device, len: usize) -> Result<(), GpuError> {
         if byte_len::<T>(len) > self.raw.size() {
-            // Freed first, so that old and new never exist together.
-            self.raw.destroy();
+            // Freed first, so that old and new never exist together; what is left if the new one cannot
+            // be had is an empty array.
+            let empty = Self::zeroed(device, self.what, 0)?;
+            std::mem::replace(self, empty).raw.destroy();
             *self = Self::zeroed(device, self.what, len)?;
         }
         self.len = len;

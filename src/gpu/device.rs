@@ -113,6 +113,12 @@ impl Device {
         self.limits
     }
 
+    /// Gives the device up: whatever is done with it from now on fails with [`GpuError::Lost`], as if it
+    /// had been unplugged. For trying out what a caller does then.
+    pub fn lose(&self) {
+        self.raw.destroy();
+    }
+
     /// Runs calls to the driver and turns whatever they report into a result.
     pub(super) fn guarded<T>(&self, calls: impl FnOnce() -> T) -> Result<T, GpuError> {
         self.fault()?;
@@ -125,7 +131,12 @@ impl Device {
         let validation = pollster::block_on(validation.pop());
         self.fault()?;
         match memory.or(internal).or(validation) {
-            Some(error) => Err(error.into()),
+            Some(error) => {
+                // On a lost device calls fail for strange reasons; the true one arrives with a poll.
+                self.poll(wgpu::PollType::Poll);
+                self.fault()?;
+                Err(error.into())
+            }
             None => Ok(result),
         }
     }
@@ -134,15 +145,22 @@ impl Device {
     pub(super) fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), GpuError> {
         self.fault()?;
         let poll = wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(self.watchdog) };
-        // wgpu has no other way to say that a device was lost while it waited.
-        let polled = catch_unwind(AssertUnwindSafe(|| self.raw.poll(poll)));
+        let polled = self.poll(poll);
         self.fault()?;
         match polled {
-            Ok(Ok(_)) => Ok(()),
-            Ok(Err(wgpu::PollError::Timeout)) => Err(GpuError::Timeout { seconds: self.watchdog.as_secs() }),
-            Ok(Err(error)) => Err(GpuError::Internal(error.to_string())),
-            Err(_) => Err(GpuError::Lost("while waiting for it".to_owned())),
+            Some(Ok(_)) => Ok(()),
+            Some(Err(wgpu::PollError::Timeout)) => {
+                Err(GpuError::Timeout { seconds: self.watchdog.as_secs() })
+            }
+            Some(Err(error)) => Err(GpuError::Internal(error.to_string())),
+            None => Err(GpuError::Lost("while waiting for it".to_owned())),
         }
+    }
+
+    /// Lets wgpu deliver what has happened. `None` when the device was lost meanwhile: wgpu has no other
+    /// way than a panic to say so here.
+    fn poll(&self, poll: wgpu::PollType) -> Option<Result<wgpu::PollStatus, wgpu::PollError>> {
+        catch_unwind(AssertUnwindSafe(|| self.raw.poll(poll))).ok()
     }
 
     fn fault(&self) -> Result<(), GpuError> {

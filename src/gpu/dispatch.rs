@@ -1,10 +1,12 @@
 //! Recording kernels and copies, running them, and reading back.
 
-use super::buffer::{Buffer, allocate};
+use super::buffer::{Buffer, Staging, allocate};
+use super::timing::{KernelTime, Pending, Stamps};
 use super::{Device, GpuError};
 use crate::shaders::{GROUP_SIZE, Kernel};
 use bytemuck::Pod;
-use std::sync::mpsc;
+use std::marker::PhantomData;
+use std::sync::{PoisonError, mpsc};
 
 /// A one-dimensional row of workgroups folded into two dimensions.
 ///
@@ -41,27 +43,33 @@ impl Grid {
 pub struct Recording<'d> {
     device: &'d Device,
     encoder: wgpu::CommandEncoder,
+    stamps: Option<Stamps>,
 }
 
 /// Array contents on their way back to the host.
 pub struct Readback<T> {
     staging: wgpu::Buffer,
-    buffer: std::marker::PhantomData<T>,
+    home: Staging,
+    element: PhantomData<T>,
     bytes: u64,
 }
 
 /// What was submitted and can be waited for.
-pub struct Submission(wgpu::SubmissionIndex);
+pub struct Submission {
+    index: wgpu::SubmissionIndex,
+    times: Option<Pending>,
+}
 
 impl<'d> Recording<'d> {
-    /// An empty recording.
+    /// An empty recording, which times its kernels if asked to and if the device has a clock.
     ///
     /// # Errors
-    /// [`GpuError::Lost`] and the like.
-    pub fn new(device: &'d Device) -> Result<Self, GpuError> {
+    /// [`GpuError::Lost`], [`GpuError::OutOfMemory`] and the like.
+    pub fn new(device: &'d Device, timed: bool) -> Result<Self, GpuError> {
         let descriptor = wgpu::CommandEncoderDescriptor { label: None };
         let encoder = device.guarded(|| device.raw.create_command_encoder(&descriptor))?;
-        Ok(Self { device, encoder })
+        let stamps = if timed { Stamps::new(device)? } else { None };
+        Ok(Self { device, encoder, stamps })
     }
 
     /// Runs a kernel over `items` invocations. `sizes` is its uniform, `arrays` its other bindings.
@@ -86,7 +94,7 @@ impl<'d> Recording<'d> {
         let bytes = bytemuck::bytes_of(sizes);
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let uniform = allocate(device, "uniform", bytes.len() as u64, usage)?;
-        let encoder = &mut self.encoder;
+        let Self { encoder, stamps, .. } = self;
         device.guarded(|| {
             device.queue.write_buffer(&uniform, 0, bytes);
             let buffers = std::iter::once(&uniform).chain(arrays.iter().map(|array| array.raw()));
@@ -104,7 +112,7 @@ impl<'d> Recording<'d> {
             });
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some(kernel.name),
-                timestamp_writes: None,
+                timestamp_writes: stamps.as_mut().and_then(|stamps| stamps.next(kernel.name)),
             });
             pass.set_pipeline(&pipeline.raw);
             pass.set_bind_group(0, &bindings, &[]);
@@ -112,21 +120,13 @@ impl<'d> Recording<'d> {
         })
     }
 
-    /// Copies an array for the host to [`Submission::read`] later.
+    /// Copies an array for the host to [`Readback::take`] later.
     ///
     /// # Errors
     /// [`GpuError::OutOfMemory`] and the like.
     pub fn read_back<T: Pod>(&mut self, array: &Buffer<T>) -> Result<Readback<T>, GpuError> {
-        let bytes = array.byte_len();
-        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        let staging = allocate(self.device, "read-back", bytes, usage)?;
-        // Copies go by four bytes; the array's allocation is a multiple of 16.
-        let copied = bytes.next_multiple_of(4);
-        if copied > 0 {
-            let encoder = &mut self.encoder;
-            self.device.guarded(|| encoder.copy_buffer_to_buffer(&array.raw, 0, &staging, 0, copied))?;
-        }
-        Ok(Readback { staging, buffer: std::marker::PhantomData, bytes })
+        let kept = Staging::clone(&array.staging);
+        Readback::record(self.device, &mut self.encoder, &array.raw, array.byte_len(), kept)
     }
 
     /// Hands the recording to the device.
@@ -134,12 +134,50 @@ impl<'d> Recording<'d> {
     /// # Errors
     /// Whatever the recording did wrong: [`GpuError::Validation`], [`GpuError::OutOfMemory`].
     pub fn submit(self) -> Result<Submission, GpuError> {
-        let Self { device, encoder } = self;
-        device.guarded(|| Submission(device.queue.submit([encoder.finish()])))
+        let Self { device, mut encoder, stamps } = self;
+        let times = match stamps {
+            Some(stamps) => stamps.resolve(device, &mut encoder)?,
+            None => None,
+        };
+        let index = device.guarded(|| device.queue.submit([encoder.finish()]))?;
+        Ok(Submission { index, times })
+    }
+}
+
+impl Submission {
+    /// What each kernel took, in the order of the dispatches; empty when nothing was timed, and
+    /// when called again.
+    ///
+    /// # Errors
+    /// As [`Readback::take`].
+    pub fn times(&mut self, device: &Device) -> Result<Vec<KernelTime>, GpuError> {
+        self.times.take().map_or(Ok(Vec::new()), |pending| pending.take(device, self))
     }
 }
 
 impl<T: Pod> Readback<T> {
+    /// Records the copy of a buffer's first bytes.
+    pub(super) fn record(
+        device: &Device,
+        encoder: &mut wgpu::CommandEncoder,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        home: Staging,
+    ) -> Result<Self, GpuError> {
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let kept = home.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let staging = match kept.filter(|kept| kept.size() >= bytes) {
+            Some(kept) => kept,
+            None => allocate(device, "read-back", bytes, usage)?,
+        };
+        // Copies go by four bytes; every allocation is a multiple of 16.
+        let copied = bytes.next_multiple_of(4);
+        if copied > 0 {
+            device.guarded(|| encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, copied))?;
+        }
+        Ok(Self { staging, home, element: PhantomData, bytes })
+    }
+
     /// Waits for the submission that fills it and takes the contents.
     ///
     /// # Errors
@@ -152,7 +190,7 @@ impl<T: Pod> Readback<T> {
         let (sender, receiver) = mpsc::channel();
         // The receiver may be gone when a device is lost; nobody waits for the answer then.
         device.guarded(|| slice.map_async(wgpu::MapMode::Read, move |result| drop(sender.send(result))))?;
-        device.wait(submission.0.clone())?;
+        device.wait(submission.index.clone())?;
         match receiver.try_recv() {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(GpuError::Internal(error.to_string())),
@@ -167,6 +205,7 @@ impl<T: Pod> Readback<T> {
         };
         drop(view);
         self.staging.unmap();
+        *self.home.lock().unwrap_or_else(PoisonError::into_inner) = Some(self.staging);
         Ok(data)
     }
 }

@@ -40,7 +40,7 @@ pub enum GpuError {
         reason: String,
     },
     /// Something is larger than the device takes; checked before anything is allocated.
-    #[error("{what} needs {needs} of {unit}, the device takes {limit}; use --backend cpu or smaller chunks")]
+    #[error("{what}: {needs} {unit}, but the device takes at most {limit}; use --backend cpu")]
     TooLarge {
         /// What is too large.
         what: &'static str,

@@ -4,6 +4,7 @@ use super::Segments;
 use super::chunk::BYTES_PER_SEGMENT;
 use crate::gpu::dispatch::Recording;
 use crate::gpu::scan::{self, Scratch};
+use crate::gpu::timing::KernelTime;
 use crate::gpu::{Buffer, Device, GpuError};
 use crate::lattice::{Point2, Point3};
 use crate::mesh::{Adjacency, Mesh};
@@ -18,6 +19,7 @@ pub const DEFAULT_BUDGET: u64 = 512 << 20;
 pub struct GpuSlicer {
     device: Arc<Device>,
     budget: u64,
+    times: Option<Vec<KernelTime>>,
     planes: Buffer<i32>,
     first: Buffer<u32>,
     count: Buffer<u32>,
@@ -43,6 +45,7 @@ impl GpuSlicer {
         device.prepare(&[SLICE_COUNT, SCAN_BLOCK, SCAN_ADD, SLICE_EMIT])?;
         Ok(Self {
             budget: DEFAULT_BUDGET,
+            times: None,
             planes: Buffer::zeroed(&device, "the planes", 0)?,
             first: Buffer::zeroed(&device, "the first planes", 0)?,
             count: Buffer::zeroed(&device, "the plane counts", 0)?,
@@ -59,6 +62,18 @@ impl GpuSlicer {
     pub const fn with_budget(mut self, bytes: u64) -> Self {
         self.budget = bytes;
         self
+    }
+
+    /// Times every kernel from now on, where the device has a clock.
+    #[must_use]
+    pub fn with_timing(mut self) -> Self {
+        self.times = Some(Vec::new());
+        self
+    }
+
+    /// What the kernels took since the last call.
+    pub fn take_times(&mut self) -> Vec<KernelTime> {
+        self.times.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
     /// The device.
@@ -97,26 +112,10 @@ impl GpuSlicer {
     /// # Errors
     /// [`GpuError::TooLarge`] when the run has more than [`Self::max_segments`]; a lost or hung device.
     pub fn slice(&mut self, mesh: &GpuMesh, planes: &[i32]) -> Result<Segments, GpuError> {
-        let device = &self.device;
-        let triangles = mesh.triangles.len();
-        let sizes = SliceSizes { triangles: triangles as u32, planes: planes.len() as u32, padding: [0; 2] };
-        self.planes.replace(device, planes)?;
-        self.first.resize(device, triangles)?;
-        self.count.resize(device, triangles)?;
-        self.offset.resize(device, triangles + 1)?;
-        let mut recording = Recording::new(device)?;
-        recording.dispatch(
-            &SLICE_COUNT,
-            &sizes,
-            &[&mesh.vertices, &mesh.triangles, &self.planes, &self.first, &self.count],
-            triangles as u64,
-        )?;
-        scan::record(device, &mut recording, &mut self.scratch, &self.count, &self.offset)?;
-        let first = recording.read_back(&self.first)?;
-        let offset = recording.read_back(&self.offset)?;
-        let submission = recording.submit()?;
-        let (first, offset) = (first.take(device, &submission)?, offset.take(device, &submission)?);
-
+        let triangles = mesh.triangles.len() as u32;
+        let sizes = SliceSizes { triangles, planes: planes.len() as u32, padding: [0; 2] };
+        self.planes.replace(&self.device, planes)?;
+        let (first, offset) = self.count(mesh, &sizes)?;
         // The true total, before anything is allocated for it.
         let (total, limit) = (exact_total(&offset), self.max_segments());
         if total > limit {
@@ -127,12 +126,47 @@ impl GpuSlicer {
                 limit,
             });
         }
-        self.start.resize(device, total as usize)?;
-        self.next.resize(device, total as usize)?;
-        let mut recording = Recording::new(device)?;
+        let (start, next) = self.emit(mesh, &sizes, total as usize)?;
+        Ok(Segments { first, offset, start, next })
+    }
+
+    /// First plane and first slot of every triangle, left on the device and brought back.
+    fn count(&mut self, mesh: &GpuMesh, sizes: &SliceSizes) -> Result<(Vec<u32>, Vec<u32>), GpuError> {
+        let (device, triangles) = (&*self.device, mesh.triangles.len());
+        self.first.resize(device, triangles)?;
+        self.count.resize(device, triangles)?;
+        self.offset.resize(device, triangles + 1)?;
+        let mut recording = Recording::new(device, self.times.is_some())?;
+        recording.dispatch(
+            &SLICE_COUNT,
+            sizes,
+            &[&mesh.vertices, &mesh.triangles, &self.planes, &self.first, &self.count],
+            triangles as u64,
+        )?;
+        scan::record(device, &mut recording, &mut self.scratch, &self.count, &self.offset)?;
+        let (first, offset) = (recording.read_back(&self.first)?, recording.read_back(&self.offset)?);
+        let mut submission = recording.submit()?;
+        let result = (first.take(device, &submission)?, offset.take(device, &submission)?);
+        if let Some(times) = &mut self.times {
+            times.extend(submission.times(device)?);
+        }
+        Ok(result)
+    }
+
+    /// Start and successor of every segment.
+    fn emit(
+        &mut self,
+        mesh: &GpuMesh,
+        sizes: &SliceSizes,
+        total: usize,
+    ) -> Result<(Vec<Point2>, Vec<u32>), GpuError> {
+        let device = &*self.device;
+        self.start.resize(device, total)?;
+        self.next.resize(device, total)?;
+        let mut recording = Recording::new(device, self.times.is_some())?;
         recording.dispatch(
             &SLICE_EMIT,
-            &sizes,
+            sizes,
             &[
                 &mesh.vertices,
                 &mesh.triangles,
@@ -143,13 +177,15 @@ impl GpuSlicer {
                 &self.start,
                 &self.next,
             ],
-            triangles as u64,
+            mesh.triangles.len() as u64,
         )?;
-        let start = recording.read_back(&self.start)?;
-        let next = recording.read_back(&self.next)?;
-        let submission = recording.submit()?;
-        let (start, next) = (start.take(device, &submission)?, next.take(device, &submission)?);
-        Ok(Segments { first, offset, start, next })
+        let (start, next) = (recording.read_back(&self.start)?, recording.read_back(&self.next)?);
+        let mut submission = recording.submit()?;
+        let result = (start.take(device, &submission)?, next.take(device, &submission)?);
+        if let Some(times) = &mut self.times {
+            times.extend(submission.times(device)?);
+        }
+        Ok(result)
     }
 
     /// Slices run after run (see [`super::chunk::runs`]) and hands over each one's segments, whose plane
@@ -183,13 +219,12 @@ fn exact_total(offset: &[u32]) -> u64 {
 /// Touches no driver, so that a small job never loads one.
 ///
 /// Loading a driver, opening a device and compiling four kernels takes 0.1 s to 0.5 s on desktop
-/// systems. The CPU counts, scans, emits and links about 14 million segments plus 50 million triangles
-/// per second and core (1M triangles × 500 planes, one core: 18 ms + 51 ms), while a device must
-/// receive 36 bytes for each triangle and return 8 for it and 12 for each segment. So a device pays
-/// only where the CPU would compute for the better part of a second.
+/// systems. One core counts, emits and links in about 20 ns a triangle and 30 ns a segment (measured
+/// with [`super::cpu`]), and several cores share that work; a device must be sent 30 bytes or more for
+/// each triangle and send back 8 for it and 12 for each segment. So a device pays only where one core
+/// would compute for the better part of a second.
 pub const fn repays_startup(triangles: u64, segments_estimate: u64) -> bool {
-    // One core's time in nanoseconds: 20 a triangle, 70 a segment.
-    triangles.saturating_mul(20).saturating_add(segments_estimate.saturating_mul(70)) > 700_000_000
+    triangles.saturating_mul(20).saturating_add(segments_estimate.saturating_mul(30)) > 700_000_000
 }
 
 #[cfg(test)]

@@ -1,34 +1,42 @@
 //! What is too large, wrong or too slow is an error, and the device survives it.
 
 use crate::compare::{ensure, same_segments};
-use crate::meshes::{self, adjacency, planes};
+use crate::kernels::FOLD;
+use crate::meshes::planes;
 use crate::{Bench, Test};
 use libtest_mimic::Failed;
 use microtome::gpu::dispatch::Recording;
 use microtome::gpu::{Buffer, GpuError, Options};
+use microtome::mesh::{Adjacency, shapes};
 use microtome::shaders::SCAN_ADD;
 use microtome::slice::gpu::GpuSlicer;
 use microtome::slice::{chunk, cpu};
+use std::sync::Arc;
 use std::time::Duration;
 
 pub const TESTS: &[Test] = &[
     ("what_exceeds_a_binding_is_refused", binding),
     ("a_wrong_binding_is_an_error_and_the_device_survives", validation),
     ("a_hung_kernel_is_a_timeout", watchdog),
+    ("a_lost_device_is_an_error", lost),
+    ("every_kernel_is_timed", times),
 ];
 
 fn binding(bench: &Bench) -> Result<(), Failed> {
     let options = Options { largest_binding: 16_384, ..Options::default() };
     let mut slicer = GpuSlicer::new(bench.open(options)?)?;
     ensure(slicer.max_segments() == 2_048, format!("{} segments", slicer.max_segments()))?;
-    // 12 bytes per half-edge triple: 1,365 triangles fit.
-    let mesh = meshes::fan(700, 9e6);
-    let refused = slicer.upload(&mesh, &adjacency(&mesh));
+    // 12 bytes each: 1,365 triangles fit.
+    let mesh = shapes::fan(1_400);
+    let refused = slicer.upload(&mesh, &Adjacency::build(&mesh));
     let message = refused.err().map(|e| e.to_string()).unwrap_or_default();
-    ensure(message.contains("the mesh's triangles needs 16800 of bytes"), message)?;
+    ensure(
+        message.contains("the mesh's triangles: 16800 bytes, but the device takes at most 16384"),
+        message,
+    )?;
 
-    let mesh = meshes::fan(600, 9e6);
-    let (links, heights) = (adjacency(&mesh), planes(&mesh, 20));
+    let mesh = shapes::fan(1_200);
+    let (links, heights) = (Adjacency::build(&mesh), planes(&mesh, 20));
     let resident = slicer.upload(&mesh, &links)?;
     let refused = slicer.slice(&resident, &heights);
     let total = chunk::segments_per_plane(&mesh, &heights).iter().sum::<u64>();
@@ -46,13 +54,13 @@ fn binding(bench: &Bench) -> Result<(), Failed> {
 fn validation(bench: &Bench) -> Result<(), Failed> {
     let device = bench.open(Options::default())?;
     let array = Buffer::<u32>::zeroed(&device, "array", 10)?;
-    let mut recording = Recording::new(&device)?;
+    let mut recording = Recording::new(&device, false)?;
     // One array where the kernel has two.
     let wrong = recording.dispatch(&SCAN_ADD, &[1u32, 0, 0, 0], &[&array], 1);
     ensure(matches!(wrong, Err(GpuError::Validation(_))), format!("{wrong:?}"))?;
-    let mesh = meshes::fan(30, 9e6);
+    let mesh = shapes::fan(60);
     let heights = planes(&mesh, 9);
-    let links = adjacency(&mesh);
+    let links = Adjacency::build(&mesh);
     let mut slicer = GpuSlicer::new(device)?;
     let resident = slicer.upload(&mesh, &links)?;
     same_segments(
@@ -64,9 +72,45 @@ fn validation(bench: &Bench) -> Result<(), Failed> {
 
 fn watchdog(bench: &Bench) -> Result<(), Failed> {
     let options = Options { watchdog: Duration::from_nanos(1), ..Options::default() };
-    let mut slicer = GpuSlicer::new(bench.open(options)?)?;
-    let mesh = meshes::torus(300, 30e6, 11e6);
-    let resident = slicer.upload(&mesh, &adjacency(&mesh))?;
-    let hung = slicer.slice(&resident, &planes(&mesh, 100));
-    ensure(matches!(hung, Err(GpuError::Timeout { .. })), format!("{:?}", hung.map(|s| s.start.len())))
+    let device = bench.open(options)?;
+    let items = Buffer::<u32>::zeroed(&device, "items", 1 << 22)?;
+    let mut recording = Recording::new(&device, false)?;
+    // More than any device does between the submission and the next call.
+    for _ in 0..40 {
+        recording.dispatch(&FOLD, &[1u32 << 22, 0, 0, 0], &[&items], 1 << 22)?;
+    }
+    let result = recording.read_back(&items)?;
+    let hung = result.take(&device, &recording.submit()?);
+    ensure(matches!(hung, Err(GpuError::Timeout { .. })), format!("{:?}", hung.map(|items| items.len())))
+}
+
+fn lost(bench: &Bench) -> Result<(), Failed> {
+    let device = bench.open(Options::default())?;
+    let mut slicer = GpuSlicer::new(Arc::clone(&device))?;
+    let mesh = shapes::fan(60);
+    let links = Adjacency::build(&mesh);
+    let resident = slicer.upload(&mesh, &links)?;
+    slicer.slice(&resident, &[0, 5])?;
+    device.lose();
+    for _ in 0..2 {
+        let lost = slicer.slice(&resident, &[0, 5]);
+        ensure(matches!(lost, Err(GpuError::Lost(_))), format!("{lost:?}"))?;
+    }
+    let lost = slicer.upload(&mesh, &links).map(drop);
+    ensure(matches!(lost, Err(GpuError::Lost(_))), format!("{lost:?}"))?;
+    let lost = GpuSlicer::new(device).map(drop);
+    ensure(matches!(lost, Err(GpuError::Lost(_))), format!("{lost:?}"))
+}
+
+fn times(bench: &Bench) -> Result<(), Failed> {
+    let mut slicer = GpuSlicer::new(bench.plain()?)?.with_timing();
+    let mesh = shapes::torus(30.0, 11.0, 60, 60);
+    let resident = slicer.upload(&mesh, &Adjacency::build(&mesh))?;
+    slicer.slice(&resident, &planes(&mesh, 20))?;
+    let kernels: Vec<_> = slicer.take_times().into_iter().map(|time| time.kernel).collect();
+    // 7,201 sums are four blocks: a scan of two levels.
+    let all = ["slice_count", "scan_block", "scan_block", "scan_add", "slice_emit"];
+    let expected = if slicer.device().info().timestamps { &all[..] } else { &[] };
+    ensure(kernels == expected, format!("{kernels:?}"))?;
+    ensure(slicer.take_times().is_empty(), "times are handed over once")
 }

@@ -31,7 +31,7 @@ fn block(device: &Device, values: &[u32], output: usize) -> Result<(Vec<u32>, Ve
     let sums = Buffer::<u32>::zeroed(device, "sums", output)?;
     let block_sums = Buffer::<u32>::zeroed(device, "block sums", output.div_ceil(BLOCK))?;
     let sizes = ScanSizes { input: values.len() as u32, output: output as u32, padding: [0; 2] };
-    let mut recording = Recording::new(device)?;
+    let mut recording = Recording::new(device, false)?;
     let lanes = output.div_ceil(BLOCK) as u64 * u64::from(GROUP_SIZE);
     recording.dispatch(&SCAN_BLOCK, &sizes, &[&input, &sums, &block_sums], lanes)?;
     let (sums, block_sums) = (recording.read_back(&sums)?, recording.read_back(&block_sums)?);
@@ -42,7 +42,7 @@ fn block(device: &Device, values: &[u32], output: usize) -> Result<(Vec<u32>, Ve
 fn add(device: &Device, before: &[u32], sums: &[u32]) -> Result<Vec<u32>, GpuError> {
     let before = Buffer::upload(device, "before", before)?;
     let target = Buffer::upload(device, "sums", sums)?;
-    let mut recording = Recording::new(device)?;
+    let mut recording = Recording::new(device, false)?;
     let sizes = AddSizes { sums: sums.len() as u32, padding: [0; 3] };
     recording.dispatch(&SCAN_ADD, &sizes, &[&before, &target], sums.len() as u64)?;
     let sums = recording.read_back(&target)?;
@@ -53,7 +53,7 @@ fn add(device: &Device, before: &[u32], sums: &[u32]) -> Result<Vec<u32>, GpuErr
 fn whole(device: &Device, scratch: &mut Scratch, counts: &[u32]) -> Result<Vec<u32>, GpuError> {
     let values = Buffer::upload(device, "values", counts)?;
     let sums = Buffer::<u32>::zeroed(device, "sums", counts.len() + 1)?;
-    let mut recording = Recording::new(device)?;
+    let mut recording = Recording::new(device, false)?;
     record(device, &mut recording, scratch, &values, &sums)?;
     let sums = recording.read_back(&sums)?;
     let submission = recording.submit()?;

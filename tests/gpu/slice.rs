@@ -1,14 +1,14 @@
 //! Counting, emitting, and whole slices.
 
 use crate::compare::{ensure, same, same_segments};
-use crate::meshes::{self, adjacency, planes};
+use crate::meshes::{planes, soup};
 use crate::{Bench, SIZES, Test};
 use libtest_mimic::Failed;
 use microtome::gpu::dispatch::Recording;
-use microtome::gpu::{Buffer, Device, GpuError};
-use microtome::lattice::{LIMIT, Point2};
-use microtome::mesh::{Adjacency, Mesh, OPEN};
-use microtome::shaders::{SLICE_COUNT, SLICE_EMIT, SliceSizes};
+use microtome::gpu::{Buffer, Device, GpuError, Options};
+use microtome::lattice::{LIMIT, Point2, Point3, mm};
+use microtome::mesh::{Adjacency, Mesh, OPEN, shapes};
+use microtome::shaders::{Kernel, SLICE_COUNT, SLICE_EMIT, SliceSizes};
 use microtome::slice::gpu::GpuSlicer;
 use microtome::slice::{Segments, chunk, cpu};
 
@@ -22,6 +22,7 @@ pub const TESTS: &[Test] = &[
     ("slices_of_nothing_are_empty", nothing),
     ("chunked_equals_unchunked", chunked),
     ("a_planted_fault_is_seen", planted),
+    ("a_drifted_kernel_is_seen", drifted),
 ];
 
 const TOP: i32 = LIMIT - 1;
@@ -30,22 +31,33 @@ fn sizes(mesh: &Mesh, planes: &[i32]) -> SliceSizes {
     SliceSizes { triangles: mesh.triangles.len() as u32, planes: planes.len() as u32, padding: [0; 2] }
 }
 
-fn count(device: &Device, mesh: &Mesh, planes: &[i32]) -> Result<(Vec<u32>, Vec<u32>), GpuError> {
+fn count(
+    device: &Device,
+    kernel: &Kernel,
+    mesh: &Mesh,
+    planes: &[i32],
+) -> Result<(Vec<u32>, Vec<u32>), GpuError> {
     let vertices = Buffer::upload(device, "vertices", &mesh.vertices)?;
     let triangles = Buffer::upload(device, "triangles", &mesh.triangles)?;
     let heights = Buffer::upload(device, "planes", planes)?;
     let first = Buffer::<u32>::zeroed(device, "first", triangles.len())?;
     let count = Buffer::<u32>::zeroed(device, "count", triangles.len())?;
-    let mut recording = Recording::new(device)?;
+    let mut recording = Recording::new(device, false)?;
     let arrays: [&dyn microtome::gpu::dispatch::Bind; 5] = [&vertices, &triangles, &heights, &first, &count];
-    recording.dispatch(&SLICE_COUNT, &sizes(mesh, planes), &arrays, triangles.len() as u64)?;
+    recording.dispatch(kernel, &sizes(mesh, planes), &arrays, triangles.len() as u64)?;
     let (first, count) = (recording.read_back(&first)?, recording.read_back(&count)?);
     let submission = recording.submit()?;
     Ok((first.take(device, &submission)?, count.take(device, &submission)?))
 }
 
 /// The kernel alone, fed with the twin's counts.
-fn emit(device: &Device, mesh: &Mesh, links: &Adjacency, planes: &[i32]) -> Result<Segments, GpuError> {
+fn emit(
+    device: &Device,
+    kernel: &Kernel,
+    mesh: &Mesh,
+    links: &Adjacency,
+    planes: &[i32],
+) -> Result<Segments, GpuError> {
     let (first, counts) = cpu::count(mesh, planes);
     let offset = cpu::scan(&counts);
     let total = offset.last().map_or(0, |&n| n as usize);
@@ -57,10 +69,10 @@ fn emit(device: &Device, mesh: &Mesh, links: &Adjacency, planes: &[i32]) -> Resu
     let offsets = Buffer::upload(device, "offset", &offset)?;
     let start = Buffer::<Point2>::zeroed(device, "start", total)?;
     let next = Buffer::<u32>::zeroed(device, "next", total)?;
-    let mut recording = Recording::new(device)?;
+    let mut recording = Recording::new(device, false)?;
     let arrays: [&dyn microtome::gpu::dispatch::Bind; 8] =
         [&vertices, &triangles, &heights, &twin, &firsts, &offsets, &start, &next];
-    recording.dispatch(&SLICE_EMIT, &sizes(mesh, planes), &arrays, triangles.len() as u64)?;
+    recording.dispatch(kernel, &sizes(mesh, planes), &arrays, triangles.len() as u64)?;
     let (start, next) = (recording.read_back(&start)?, recording.read_back(&next)?);
     let submission = recording.submit()?;
     Ok(Segments {
@@ -73,7 +85,7 @@ fn emit(device: &Device, mesh: &Mesh, links: &Adjacency, planes: &[i32]) -> Resu
 
 /// A whole slice on the device and on the twin.
 fn check(slicer: &mut GpuSlicer, what: &str, mesh: &Mesh, planes: &[i32]) -> Result<Segments, Failed> {
-    let links = adjacency(mesh);
+    let links = Adjacency::build(mesh);
     let resident = slicer.upload(mesh, &links)?;
     let device = slicer.slice(&resident, planes)?;
     same_segments(what, &device, &cpu::slice(mesh, &links, planes))?;
@@ -84,9 +96,9 @@ fn count_equals_twin(bench: &Bench) -> Result<(), Failed> {
     let device = bench.plain()?;
     for triangles in SIZES {
         for count_planes in [0, 1, 2, 63, 257] {
-            let mesh = meshes::soup(triangles, triangles as u64, 40);
+            let mesh = soup(triangles, triangles as u64, 40);
             let planes = planes(&mesh, count_planes);
-            let (first, counts) = count(&device, &mesh, &planes)?;
+            let (first, counts) = count(&device, &SLICE_COUNT, &mesh, &planes)?;
             let (twin_first, twin_counts) = cpu::count(&mesh, &planes);
             same(&format!("first, {triangles} × {count_planes}"), &first, &twin_first)?;
             same(&format!("count, {triangles} × {count_planes}"), &counts, &twin_counts)?;
@@ -99,9 +111,9 @@ fn emit_equals_twin(bench: &Bench) -> Result<(), Failed> {
     let device = bench.plain()?;
     for triangles in SIZES {
         for (planes_count, reach) in [(0, 40), (1, 40), (63, 40), (63, TOP)] {
-            let mesh = meshes::soup(triangles, triangles as u64 + 9, reach);
-            let (links, planes) = (adjacency(&mesh), planes(&mesh, planes_count));
-            let segments = emit(&device, &mesh, &links, &planes)?;
+            let mesh = soup(triangles, triangles as u64 + 9, reach);
+            let (links, planes) = (Adjacency::build(&mesh), planes(&mesh, planes_count));
+            let segments = emit(&device, &SLICE_EMIT, &mesh, &links, &planes)?;
             let what = format!("{triangles} × {planes_count}");
             same_segments(&what, &segments, &cpu::slice(&mesh, &links, &planes))?;
         }
@@ -112,32 +124,33 @@ fn emit_equals_twin(bench: &Bench) -> Result<(), Failed> {
 fn fold(bench: &Bench) -> Result<(), Failed> {
     let device = bench.narrow()?;
     for triangles in [767, 768, 769, 2_303, 2_304] {
-        let mesh = meshes::soup(triangles, 5, 1_000);
-        let (links, planes) = (adjacency(&mesh), planes(&mesh, 9));
+        let mesh = soup(triangles, 5, 1_000);
+        let (links, planes) = (Adjacency::build(&mesh), planes(&mesh, 9));
         let (twin_first, twin_counts) = cpu::count(&mesh, &planes);
-        let (first, counts) = count(&device, &mesh, &planes)?;
+        let (first, counts) = count(&device, &SLICE_COUNT, &mesh, &planes)?;
         same(&format!("first of {triangles}"), &first, &twin_first)?;
         same(&format!("count of {triangles}"), &counts, &twin_counts)?;
-        let segments = emit(&device, &mesh, &links, &planes)?;
+        let segments = emit(&device, &SLICE_EMIT, &mesh, &links, &planes)?;
         same_segments(&format!("{triangles}"), &segments, &cpu::slice(&mesh, &links, &planes))?;
     }
-    let mesh = meshes::soup(2_305, 5, 1_000);
-    let beyond = count(&device, &mesh, &[0]);
+    let mesh = soup(2_305, 5, 1_000);
+    let beyond = count(&device, &SLICE_COUNT, &mesh, &[0]);
     ensure(matches!(beyond, Err(GpuError::TooLarge { limit: 9, .. })), "2,305 triangles should be refused")
 }
 
 fn bodies(bench: &Bench) -> Result<(), Failed> {
     let mut slicer = GpuSlicer::new(bench.plain()?)?;
-    let cuboid = meshes::cuboid((-5_000_000, -4_000_000, 0), (5_000_000, 4_000_000, 3_000_000));
-    let heights = [-1, 0, 1, 1_500_000, 2_999_999, 3_000_000, 3_000_001];
+    let cuboid = shapes::cuboid([0.0; 3], [10.0, 8.0, 3.0]);
+    // From just below its bottom to just above its top.
+    let heights = [-1_500_001, -1_500_000, -1_499_999, 0, 1_499_999, 1_500_000, 1_500_001];
     let segments = check(&mut slicer, "box", &cuboid, &heights)?;
-    // The planes 1 ..= z_max meet the four sides, eight triangles each.
+    // Four planes, those above the bottom up to the top itself, meet the four sides, eight triangles each.
     ensure(segments.start.len() == 4 * 8, format!("the box has {} segments", segments.start.len()))?;
     ensure(segments.next.iter().all(|&n| n != OPEN), "a closed body has no open link")?;
     for (what, mesh) in [
-        ("sphere", meshes::sphere(4, 20e6)),
-        ("torus", meshes::torus(48, 30e6, 11e6)),
-        ("fan", meshes::fan(3_000, 25e6)),
+        ("sphere", shapes::sphere(20.0, 40, 30)),
+        ("torus", shapes::torus(30.0, 11.0, 48, 48)),
+        ("fan", shapes::fan(6_000)),
     ] {
         for count in [1, 7, 300] {
             // Half of the planes run through vertices.
@@ -149,17 +162,21 @@ fn bodies(bench: &Bench) -> Result<(), Failed> {
 
 fn corners(bench: &Bench) -> Result<(), Failed> {
     let mut slicer = GpuSlicer::new(bench.plain()?)?;
-    let whole = meshes::cuboid((-TOP, -TOP, -TOP), (TOP, TOP, TOP));
+    let top = mm(TOP);
+    let whole = shapes::cuboid([-top; 3], [top; 3]);
+    ensure(whole.bounds() == Some([-TOP, TOP].map(|c| Point3::new(c, c, c))), "it fills the lattice")?;
     let heights = [-TOP, 1 - TOP, -1, 0, 1, 12_345_678, TOP - 1, TOP];
     check(&mut slicer, "whole lattice", &whole, &heights)?;
-    // Upright and slanted needles, one lattice step thin.
-    let needle = meshes::cuboid((TOP - 1, -TOP, -TOP), (TOP, TOP, TOP));
-    check(&mut slicer, "blade", &needle, &heights)?;
-    let flat = meshes::cuboid((-TOP, -TOP, 0), (TOP, TOP, 1));
-    check(&mut slicer, "sheet", &flat, &heights)?;
+    let mut leaning = whole.clone();
+    // Every upper corner over the opposite lower one.
+    leaning.vertices.iter_mut().filter(|v| v.z > 0).for_each(|v| (v.x, v.y) = (-v.x, -v.y));
+    check(&mut slicer, "leaning", &leaning, &heights)?;
+    let mut thin = whole;
+    thin.vertices.iter_mut().for_each(|v| v.z = v.z.clamp(-1, 0));
+    check(&mut slicer, "one step thin", &thin, &heights)?;
     for seed in 0..4 {
-        let soup = meshes::soup(3_000, seed, TOP);
-        check(&mut slicer, &format!("soup {seed}"), &soup, &planes(&soup, 40))?;
+        let mesh = soup(3_000, seed, TOP);
+        check(&mut slicer, &format!("soup {seed}"), &mesh, &planes(&mesh, 40))?;
     }
     Ok(())
 }
@@ -167,7 +184,7 @@ fn corners(bench: &Bench) -> Result<(), Failed> {
 fn open(bench: &Bench) -> Result<(), Failed> {
     let mut slicer = GpuSlicer::new(bench.plain()?)?;
     for keep in [2, 3, 7] {
-        let mut mesh = meshes::sphere(3, 9e6);
+        let mut mesh = shapes::sphere(9.0, 30, 20);
         let mut i = 0;
         mesh.triangles.retain(|_| {
             i += 1;
@@ -185,9 +202,9 @@ fn nothing(bench: &Bench) -> Result<(), Failed> {
     let empty = Mesh::default();
     check(&mut slicer, "no triangles", &empty, &[1, 2, 3])?;
     check(&mut slicer, "nothing at all", &empty, &[])?;
-    check(&mut slicer, "no planes", &meshes::fan(20, 5e6), &[])?;
-    check(&mut slicer, "planes that miss", &meshes::fan(20, 5e6), &[-9_000_000, 9_000_000])?;
-    check(&mut slicer, "planes that meet again", &meshes::fan(20, 5e6), &[-9, 9]).map(drop)
+    check(&mut slicer, "no planes", &shapes::fan(40), &[])?;
+    check(&mut slicer, "planes that miss", &shapes::fan(40), &[-50_000_000, 50_000_000])?;
+    check(&mut slicer, "planes that meet again", &shapes::fan(40), &[-9, 9]).map(drop)
 }
 
 /// Per triangle and plane: where it starts and in which triangle it goes on; independent of the run.
@@ -205,9 +222,9 @@ fn by_plane(segments: &Segments, from: usize) -> Vec<(usize, usize, Point2, Opti
 
 fn chunked(bench: &Bench) -> Result<(), Failed> {
     let mut slicer = GpuSlicer::new(bench.plain()?)?;
-    let mut mesh = meshes::torus(40, 30e6, 11e6);
+    let mut mesh = shapes::torus(30.0, 11.0, 40, 40);
     mesh.triangles.truncate(3_100);
-    let (links, heights) = (adjacency(&mesh), planes(&mesh, 120));
+    let (links, heights) = (Adjacency::build(&mesh), planes(&mesh, 120));
     let resident = slicer.upload(&mesh, &links)?;
     let mut whole = by_plane(&slicer.slice(&resident, &heights)?, 0);
     whole.sort_unstable();
@@ -229,8 +246,8 @@ fn chunked(bench: &Bench) -> Result<(), Failed> {
 
 fn planted(bench: &Bench) -> Result<(), Failed> {
     let mut slicer = GpuSlicer::new(bench.plain()?)?;
-    let mesh = meshes::torus(16, 30e6, 11e6);
-    let (links, heights) = (adjacency(&mesh), planes(&mesh, 30));
+    let mesh = shapes::torus(30.0, 11.0, 16, 16);
+    let (links, heights) = (Adjacency::build(&mesh), planes(&mesh, 30));
     let resident = slicer.upload(&mesh, &links)?;
     let device = slicer.slice(&resident, &heights)?;
     let twin = cpu::slice(&mesh, &links, &heights);
@@ -251,4 +268,50 @@ fn planted(bench: &Bench) -> Result<(), Failed> {
     let resident = slicer.upload(&moved, &links)?;
     let device = slicer.slice(&resident, &heights)?;
     ensure(same_segments("moved", &device, &twin).is_err(), "a moved vertex went unseen")
+}
+
+/// A kernel with one spot of its text changed.
+fn changed(kernel: &Kernel, name: &'static str, old: &str, new: &str) -> Result<Kernel, Failed> {
+    ensure(kernel.wgsl.matches(old).count() == 1, format!("'{old}' is not once in {}", kernel.name))?;
+    let wgsl = Box::leak(kernel.wgsl.replacen(old, new, 1).into_boxed_str());
+    Ok(Kernel { name, wgsl, bindings: kernel.bindings })
+}
+
+/// The smallest slips that a kernel could make against its twin must show on these meshes.
+fn drifted(bench: &Bench) -> Result<(), Failed> {
+    let device = bench.open(Options::default())?;
+    let mut mesh = soup(500, 3, 12);
+    let heights: Vec<i32> = (-13..14).collect();
+    let slips = [("planes[middle] <= z", "planes[middle] < z"), ("planes[high] <= z", "planes[high] < z")];
+    for (name, (old, new)) in ["count 1", "count 2"].into_iter().zip(slips) {
+        let kernel = changed(&SLICE_COUNT, name, old, new)?;
+        let (first, counts) = count(&device, &kernel, &mesh, &heights)?;
+        let seen = (first, counts) != cpu::count(&mesh, &heights);
+        ensure(seen, format!("'{new}' in slice_count went unseen"))?;
+    }
+    let links = Adjacency::build(&mesh);
+    let slips = [
+        ("let above_b = b.z >= z", "let above_b = b.z > z"),
+        ("let swap = a.z >= z", "let swap = a.z > z"),
+        ("divisor >> 1u", "(divisor - 1u) >> 1u"),
+        ("(k - first[neighbour])", "(k - begin)"),
+        ("upper >= lower", "upper < lower"),
+    ];
+    for (name, (old, new)) in ["emit 1", "emit 2", "emit 3", "emit 4", "emit 5"].into_iter().zip(slips) {
+        let kernel = changed(&SLICE_EMIT, name, old, new)?;
+        let segments = emit(&device, &kernel, &mesh, &links, &heights)?;
+        let seen = segments != cpu::slice(&mesh, &links, &heights);
+        ensure(seen, format!("'{new}' in slice_emit went unseen"))?;
+    }
+    // Slips in the digits show on long edges only.
+    mesh = soup(500, 3, TOP);
+    let (links, heights) = (Adjacency::build(&mesh), planes(&mesh, 40));
+    let slips = [("+ (middle >> 16u)", ""), ("digit * d0 > ((rest << 16u) | next) {", "false {")];
+    for (name, (old, new)) in ["emit 6", "emit 7"].into_iter().zip(slips) {
+        let kernel = changed(&SLICE_EMIT, name, old, new)?;
+        let segments = emit(&device, &kernel, &mesh, &links, &heights)?;
+        let seen = segments != cpu::slice(&mesh, &links, &heights);
+        ensure(seen, format!("'{new}' for '{old}' went unseen"))?;
+    }
+    Ok(())
 }

@@ -1,34 +1,18 @@
 //! 64-bit arithmetic on pairs of u32, and the fold of a really large dispatch.
 
 use crate::compare::{ensure, same};
+use crate::kernels::{DIVIDE, FOLD};
 use crate::meshes::Random;
 use crate::{Bench, Test};
 use libtest_mimic::Failed;
 use microtome::gpu::dispatch::Recording;
 use microtome::gpu::{Buffer, Device, GpuError};
-use microtome::shaders::{Binding, Kernel};
 
 pub const TESTS: &[Test] = &[
     ("wide_arithmetic_equals_u64", wide),
     ("dispatch_crosses_the_fold", fold),
     ("dispatch_goes_past_65535_groups", really_large),
 ];
-
-const DIVIDE: Kernel = Kernel {
-    name: "divide",
-    wgsl: concat!(
-        include_str!("../../shaders/shared/grid.wgsl"),
-        include_str!("../../shaders/shared/wide.wgsl"),
-        include_str!("../kernels/divide.wgsl")
-    ),
-    bindings: &[Binding::Uniform, Binding::Read, Binding::Write],
-};
-
-const FOLD: Kernel = Kernel {
-    name: "fold",
-    wgsl: concat!(include_str!("../../shaders/shared/grid.wgsl"), include_str!("../kernels/fold.wgsl")),
-    bindings: &[Binding::Uniform, Binding::Write],
-};
 
 fn wide(bench: &Bench) -> Result<(), Failed> {
     const TOP: u32 = (1 << 31) - 1;
@@ -53,7 +37,7 @@ fn wide(bench: &Bench) -> Result<(), Failed> {
     let device = &*bench.plain()?;
     let input = Buffer::upload(device, "operands", &operands)?;
     let output = Buffer::<[u32; 3]>::zeroed(device, "results", operands.len())?;
-    let mut recording = Recording::new(device)?;
+    let mut recording = Recording::new(device, false)?;
     let sizes = [operands.len() as u32, 0, 0, 0];
     recording.dispatch(&DIVIDE, &sizes, &[&input, &output], operands.len() as u64)?;
     let results = recording.read_back(&output)?;
@@ -74,7 +58,7 @@ fn wide(bench: &Bench) -> Result<(), Failed> {
 
 fn run_fold(device: &Device, items: usize) -> Result<Vec<u32>, GpuError> {
     let buffer = Buffer::<u32>::zeroed(device, "items", items)?;
-    let mut recording = Recording::new(device)?;
+    let mut recording = Recording::new(device, false)?;
     recording.dispatch(&FOLD, &[items as u32, 0, 0, 0], &[&buffer], items as u64)?;
     let result = recording.read_back(&buffer)?;
     result.take(device, &recording.submit()?)
