@@ -4,6 +4,10 @@ pub mod areas;
 pub mod boolean;
 pub mod offset;
 pub mod perimeters;
+mod wavefront;
+
+#[cfg(test)]
+mod tests;
 
 use crate::contour::{ExPolygon, Ring};
 

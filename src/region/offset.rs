@@ -7,6 +7,7 @@
 //! numbers", ASME DETC 2005). This file builds the raw curves; the polygon library unites them.
 
 use super::boolean::{self, Winding};
+use super::wavefront;
 use crate::contour::{ExPolygon, Ring};
 use crate::lattice::{LIMIT, Point2};
 
@@ -38,7 +39,7 @@ pub fn inset(polygons: &[ExPolygon], distance: i64) -> Vec<ExPolygon> {
     if distance < 0 {
         return outset(polygons, -distance, Join::Miter);
     }
-    let mut result: Vec<ExPolygon> = polygons.iter().flat_map(|p| raw_inset(p, distance as f64)).collect();
+    let mut result: Vec<ExPolygon> = polygons.iter().flat_map(|p| inset_one(p, distance)).collect();
     if polygons.len() > 1 {
         result.sort_unstable_by(|a, b| a.contour.cmp(&b.contour));
     }
@@ -57,8 +58,13 @@ pub fn outset(polygons: &[ExPolygon], distance: i64, join: Join) -> Vec<ExPolygo
     simplified(boolean::union(&raw, Winding::Positive))
 }
 
+/// The inset of one area by the fast route if that is proven right, else by the polygon library.
+fn inset_one(polygon: &ExPolygon, distance: i64) -> Vec<ExPolygon> {
+    wavefront::inset(polygon, distance).unwrap_or_else(|| raw_inset(polygon, distance as f64))
+}
+
 /// The inset of one area by way of the polygon library.
-fn raw_inset(polygon: &ExPolygon, distance: f64) -> Vec<ExPolygon> {
+pub(super) fn raw_inset(polygon: &ExPolygon, distance: f64) -> Vec<ExPolygon> {
     let raw: Vec<Ring> = polygon.rings().map(|r| raw_curve(r, distance, Join::Miter)).collect();
     simplified(boolean::union(&raw, Winding::Positive))
 }
@@ -194,7 +200,8 @@ impl Curve {
     /// `v` moved by `by` \[nm\] and rounded to the lattice.
     fn push(&mut self, v: Point2, by: Vector) {
         let limit = f64::from(LIMIT - 1);
-        let part = |c: i32, by: f64| (f64::from(c) + by).round().clamp(-limit, limit) as i32;
+        // The way is rounded before it is added, so that the result moves with its input.
+        let part = |c: i32, by: f64| (f64::from(c) + by.round()).clamp(-limit, limit) as i32;
         self.points.push(Point2::new(part(v.x, by.x), part(v.y, by.y)));
     }
 

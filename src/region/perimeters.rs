@@ -2,8 +2,8 @@
 
 use super::boolean;
 use super::offset::{self, Join};
-use super::{Island, Wall};
-use crate::contour::ExPolygon;
+use super::{Island, Wall, wavefront};
+use crate::contour::{ExPolygon, Ring};
 use crate::lattice;
 use crate::settings::Settings;
 use crate::settings::flow::{Flow, FlowRole};
@@ -89,35 +89,95 @@ pub fn walls(areas: Vec<ExPolygon>, plan: &WallPlan) -> Vec<Island> {
 
 fn island(outline: ExPolygon, plan: &WallPlan) -> Island {
     let mut walls = Vec::new();
-    let mut inner = vec![outline.clone()];
+    let mut lines = vec![Line { polygon: outline.clone(), inner: Inner::Untried }];
     for depth in 0..plan.count {
         let (distance, spacing) = plan.step(depth);
-        inner = opened_inset(&inner, distance, (0.5 * (1.0 - OVERLAP_TOLERANCE) * spacing as f64) as i64);
-        if inner.is_empty() {
-            break;
-        }
-        for polygon in &inner {
-            let wall = |hole: bool| move |ring: &Vec<_>| Wall { ring: ring.clone(), depth, hole };
-            walls.extend(std::iter::once(&polygon.contour).map(wall(false)));
+        let radius = (0.5 * (1.0 - OVERLAP_TOLERANCE) * spacing as f64) as i64;
+        let next = if depth + 1 < plan.count { plan.step(depth + 1).0 } else { plan.infill_inset() };
+        lines = lines.into_iter().flat_map(|line| centre_lines(line, distance, radius, next)).collect();
+        for Line { polygon, .. } in &lines {
+            let wall = |hole: bool| move |ring: &Ring| Wall { ring: ring.clone(), depth, hole };
+            walls.push(wall(false)(&polygon.contour));
             walls.extend(polygon.holes.iter().map(wall(true)));
         }
     }
-    let infill = offset::inset(&inner, plan.infill_inset());
-    Island { outline, walls, infill }
+    let border = plan.infill_inset();
+    let infill = lines.into_iter().flat_map(|line| match line.inner {
+        Inner::Proven(polygons) => polygons,
+        Inner::Untried => offset::inset(&[line.polygon], border),
+        Inner::Unproven => offset::raw_inset(&line.polygon, border as f64),
+    });
+    Island { outline, walls, infill: infill.collect() }
 }
 
-/// The inset by `distance`, without the parts narrower than twice `radius`.
-fn opened_inset(polygons: &[ExPolygon], distance: i64, radius: i64) -> Vec<ExPolygon> {
-    let core = offset::inset(polygons, distance + radius);
+/// An area bounded by centre lines of walls, and what is known of the next step inwards.
+struct Line {
+    polygon: ExPolygon,
+    inner: Inner,
+}
+
+enum Inner {
+    Untried,
+    Unproven,
+    Proven(Vec<ExPolygon>),
+}
+
+impl Inner {
+    fn of(polygon: &ExPolygon, distance: i64) -> Self {
+        match wavefront::inset(polygon, distance) {
+            Some(polygons) => Self::Proven(polygons),
+            None => Self::Unproven,
+        }
+    }
+
+    /// The inset if it is one area with as many holes as `polygon` has: then `polygon` is nowhere
+    /// narrower than twice the inset's distance.
+    fn whole(&self, polygon: &ExPolygon) -> Option<&ExPolygon> {
+        match self {
+            Self::Proven(inset) => match inset.as_slice() {
+                [one] if one.holes.len() == polygon.holes.len() => Some(one),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}
+
+/// The centre lines `distance` inside a line, without those parts where they would be nearer than twice
+/// `radius` to each other.
+///
+/// That is an opening, which takes three runs of the polygon library. Mostly the area is wide enough
+/// and nothing would be opened; the step inwards that comes `next` proves it and is needed anyway.
+fn centre_lines(line: Line, distance: i64, radius: i64, next: i64) -> Vec<Line> {
+    let Line { polygon, inner } = line;
+    let plain = if matches!(inner, Inner::Untried) { Inner::of(&polygon, distance) } else { inner };
+    if let Some(centre) = plain.whole(&polygon) {
+        let inner = if next > 0 { Inner::of(centre, next) } else { Inner::Untried };
+        let wide = next >= radius && inner.whole(centre).is_some();
+        if wide || Inner::of(&polygon, distance + radius).whole(&polygon).is_some() {
+            return vec![Line { polygon: centre.clone(), inner }];
+        }
+    }
+    if matches!(&plain, Inner::Proven(polygons) if polygons.is_empty()) {
+        return Vec::new();
+    }
+    let core = offset::inset(std::slice::from_ref(&polygon), distance + radius);
+    if core.is_empty() {
+        return Vec::new();
+    }
     let grown = offset::outset(&core, radius, Join::Miter);
+    let plain = match plain {
+        Inner::Proven(polygons) => polygons,
+        _ => offset::raw_inset(&polygon, distance as f64),
+    };
     // Mitred corners may grow past the plain inset, which is the nearest a wall may come.
-    boolean::intersection(&grown, &offset::inset(polygons, distance))
+    let opened = boolean::intersection(&grown, &plain);
+    opened.into_iter().map(|polygon| Line { polygon, inner: Inner::Untried }).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contour::Ring;
     use crate::lattice::Point2;
 
     fn rectangle(x0: i32, y0: i32, x1: i32, y1: i32) -> Ring {
