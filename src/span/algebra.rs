@@ -133,3 +133,24 @@ pub fn erode(area: &Rows, across: u32, along: i32) -> Rows {
     }
     out.finish()
 }
+
+/// Fills gaps that are one row wide: closing by two rows, so that a row gains what both its
+/// neighbours have.
+pub fn close_rows(area: &Rows) -> Rows {
+    let mut out =
+        RowsBuilder::with_capacity(area.first(), (area.end() - area.first()) as usize, area.spans().len());
+    let mut spans = Vec::new();
+    for (k, row) in area.iter() {
+        spans.clear();
+        spans.extend_from_slice(row);
+        and_row(area.row(k - 1), area.row(k + 1), |s, _| spans.push(s));
+        if spans.len() > row.len() {
+            spans.sort_unstable();
+        }
+        for s in &spans {
+            out.push(s.start, s.end);
+        }
+        out.end_row();
+    }
+    out.finish()
+}
