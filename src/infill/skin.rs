@@ -67,7 +67,7 @@ fn covered(i: usize, own: &Rows, outlines: &[&Rows], levels: &[Level], plan: &Fi
     let mut step = |j: Option<usize>, last: &mut Option<usize>| -> Option<()> {
         let rows: &Rows = outlines.get(j?)?;
         // Prismatic parts: the same outline again changes nothing.
-        if last.is_none_or(|l| outlines[l] != rows) {
+        if last.is_none_or(|l| !std::ptr::eq(outlines[l], rows)) {
             covered = and(&covered, rows);
         }
         *last = j;

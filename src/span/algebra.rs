@@ -17,6 +17,7 @@ pub fn and(a: &Rows, b: &Rows) -> Rows {
 }
 
 /// The intersection of two rows; each piece comes with the index of its span in `a`.
+#[inline]
 pub fn and_row(a: &[Span], b: &[Span], mut piece: impl FnMut(Span, usize)) {
     let (mut i, mut j) = (0, 0);
     while i < a.len() && j < b.len() {
