@@ -8,6 +8,7 @@ use std::ops::Range;
 pub const INSIDE: u32 = u32::MAX;
 
 /// The rings of an infill area with their crossings on one family of rows.
+#[derive(Debug)]
 pub struct Border<'a> {
     /// Rings \[nm\].
     pub rings: &'a [&'a [Point2]],
@@ -109,52 +110,79 @@ impl Border<'_> {
 pub type St = (i64, i64);
 
 /// The pieces of border in each strip between two rows, for some rings.
-#[derive(Debug, Default)]
-pub struct Obstacles {
+#[derive(Debug)]
+pub struct Obstacles<'a> {
+    border: &'a Border<'a>,
     first: i32,
+    /// Per strip its first piece; the last entry is the total.
     offset: Vec<u32>,
-    edges: Vec<Edge>,
+    pieces: Vec<Piece>,
 }
 
-/// An edge of a ring, in the frame's coordinates.
+/// Consecutive edges of a ring that run through one strip.
 #[derive(Clone, Copy, Debug)]
-struct Edge {
+struct Piece {
+    strip: i32,
     ring: u32,
+    /// The first edge, and how many there are.
     edge: u32,
-    a: St,
-    b: St,
+    count: u32,
+    /// Bounds along the rows.
+    low: i32,
+    high: i32,
 }
 
-impl Obstacles {
-    /// Sorts the edges of `rings` into strips; strip `k` lies between the rows `k` and `k + 1`.
-    pub fn new(border: &Border, rings: Range<usize>) -> Self {
-        let mut found: Vec<(i32, Edge)> = Vec::new();
+impl<'a> Obstacles<'a> {
+    /// Sorts the border of `rings` into strips; strip `k` lies between the rows `k` and `k + 1`.
+    pub fn new(border: &'a Border<'a>, rings: Range<usize>) -> Self {
+        let mut found = Vec::new();
         for ring in rings {
             let points = border.rings[ring];
-            let st = |p: Point2| {
-                let (s, t) = border.frame.st(p);
-                (i64::from(s), i64::from(t))
+            let (begin, end) = border.hits_of(ring as u32);
+            let mut add = |strip: i32, edge: u32, count: usize| {
+                let mut piece = Piece {
+                    strip,
+                    ring: ring as u32,
+                    edge,
+                    count: count as u32,
+                    low: i32::MAX,
+                    high: i32::MIN,
+                };
+                for i in 0..=count {
+                    let s = border.frame.st(points[(edge as usize + i) % points.len()]).0;
+                    piece.low = piece.low.min(s);
+                    piece.high = piece.high.max(s);
+                }
+                found.push(piece);
             };
-            for (i, &p) in points.iter().enumerate() {
-                let (a, b) = (st(p), st(points[(i + 1) % points.len()]));
-                let edge = Edge { ring: ring as u32, edge: i as u32, a, b };
-                // The closed strips: an edge on a row bounds the strips on either side.
-                let low = border.frame.row_below(a.1.min(b.1) - 1);
-                let high = border.frame.row_below(a.1.max(b.1));
-                found.extend((low..=high).map(|strip| (strip, edge)));
+            match points.first() {
+                // Without a crossing the ring lies in one strip.
+                Some(&p) if begin == end => {
+                    add(border.frame.row_below(border.frame.st(p).1.into()), 0, points.len())
+                }
+                _ => {
+                    for id in begin..end {
+                        let hit = border.hit(id);
+                        add(
+                            if hit.up { hit.row } else { hit.row - 1 },
+                            hit.edge,
+                            border.forward(id).count + 1,
+                        );
+                    }
+                }
             }
         }
-        let Some(first) = found.iter().map(|f| f.0).min() else { return Self::default() };
-        found.sort_by_key(|f| f.0);
-        let strips = found.last().map_or(0, |f| (f.0 - first) as usize + 1);
+        let first = found.iter().map(|p| p.strip).min().unwrap_or(0);
+        let strips = found.iter().map(|p| (p.strip - first) as usize + 1).max().unwrap_or(0);
         let mut offset = vec![0u32; strips + 1];
-        for f in &found {
-            offset[(f.0 - first) as usize + 1] += 1;
+        for p in &found {
+            offset[(p.strip - first) as usize + 1] += 1;
         }
         for i in 0..strips {
             offset[i + 1] += offset[i];
         }
-        Self { first, offset, edges: found.into_iter().map(|f| f.1).collect() }
+        found.sort_by_key(|p| p.strip);
+        Self { border, first, offset, pieces: found }
     }
 
     /// True when the segment from `a` to `b` in strip `k` touches no edge but those on which its own
@@ -166,11 +194,22 @@ impl Obstacles {
         }
         let range = self.offset[at as usize] as usize..self.offset[at as usize + 1] as usize;
         let (low, high) = (a.0.min(b.0), a.0.max(b.0));
-        self.edges[range].iter().all(|e| {
-            e.a.0.max(e.b.0) < low
-                || e.a.0.min(e.b.0) > high
-                || except.contains(&Some((e.ring, e.edge)))
-                || !touch(a, b, e.a, e.b)
+        self.pieces[range]
+            .iter()
+            .filter(|p| i64::from(p.low) <= high && low <= i64::from(p.high))
+            .all(|p| self.is_apart(p, a, b, except))
+    }
+
+    fn is_apart(&self, piece: &Piece, a: St, b: St, except: [Option<(u32, u32)>; 2]) -> bool {
+        let points = self.border.rings[piece.ring as usize];
+        let st = |i: usize| {
+            let (s, t) = self.border.frame.st(points[i % points.len()]);
+            (i64::from(s), i64::from(t))
+        };
+        let first = piece.edge as usize;
+        (first..first + piece.count as usize).all(|i| {
+            let edge = (i % points.len()) as u32;
+            except.contains(&Some((piece.ring, edge))) || !touch(a, b, st(i), st(i + 1))
         })
     }
 }

@@ -10,6 +10,7 @@ use crate::span::algebra::and_row;
 use crate::span::{RowFrame, Rows, RowsBuilder, Trace, scan, trace};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// One layer as the infill stage sees it.
 #[derive(Clone, Copy, Debug)]
@@ -31,19 +32,7 @@ pub fn fill(layers: &[FillLayer], plan: &FillPlan) -> Vec<Vec<Vec<FillPath>>> {
     let frames = [false, true].map(|turned| plan.area_frame(turned));
     let levels: Vec<Level> =
         layers.iter().map(|l| Level { top: l.print_z, bottom: l.print_z - l.height }).collect();
-    let needed = |turned: bool| (0..2).any(|i| KINDS.iter().any(|&k| plan.is_turned(k, i) == turned));
-    let outlines: Vec<[Rows; 2]> = layers
-        .par_iter()
-        .map(|l| {
-            [false, true].map(|turned| {
-                if !needed(turned) {
-                    return Rows::default();
-                }
-                let rings = l.islands.iter().flat_map(|i| i.outline.rings()).map(|r| &r[..]);
-                scan(rings, &frames[usize::from(turned)])
-            })
-        })
-        .collect();
+    let outlines = outlines(layers, &frames, plan);
     let families = [0, 1].map(|f: usize| outlines.iter().map(|o| &o[f]).collect::<Vec<_>>());
     layers
         .par_iter()
@@ -66,6 +55,40 @@ pub fn fill(layers: &[FillLayer], plan: &FillPlan) -> Vec<Vec<Vec<FillPath>>> {
             out
         })
         .collect()
+}
+
+/// Every layer's outlines on the rows of both families, as far as they are needed. A layer like the
+/// one below shares its rows.
+fn outlines(layers: &[FillLayer], frames: &[RowFrame; 2], plan: &FillPlan) -> Vec<Arc<[Rows; 2]>> {
+    let needed =
+        [false, true].map(|turned| (0..2).any(|i| KINDS.iter().any(|&k| plan.is_turned(k, i) == turned)));
+    let same = |i: usize| {
+        let (a, b) = (layers[i].islands, layers[i - 1].islands);
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.outline == b.outline)
+    };
+    let scanned: Vec<Option<Arc<[Rows; 2]>>> = layers
+        .par_iter()
+        .enumerate()
+        .map(|(i, layer)| {
+            if i > 0 && same(i) {
+                return None;
+            }
+            Some(Arc::new([0, 1].map(|f| {
+                if !needed[f] {
+                    return Rows::default();
+                }
+                let rings = layer.islands.iter().flat_map(|i| i.outline.rings());
+                scan(rings.map(|r| &r[..]), &frames[f])
+            })))
+        })
+        .collect();
+    let mut last = Arc::default();
+    let mut shared = Vec::with_capacity(scanned.len());
+    for rows in scanned {
+        last = rows.unwrap_or(last);
+        shared.push(Arc::clone(&last));
+    }
+    shared
 }
 
 const KINDS: [FillKind; 3] = [FillKind::Sparse, FillKind::Solid, FillKind::TopSolid];

@@ -76,6 +76,7 @@ pub fn lay(border: &Border, area: &Rows, style: Style, mut found: impl FnMut(usi
         limit: LINK_LIMIT * style.pitch,
         style,
         last: None,
+        points: Vec::new(),
     };
     for (r, rings) in border.regions.iter().enumerate() {
         sweep.region(offset[r]..offset[r + 1], rings.clone(), |path| found(r, path));
@@ -155,9 +156,11 @@ struct Sweep<'a> {
     style: Style,
     /// Where the last path ended.
     last: Option<Point2>,
+    /// The path in the making.
+    points: Vec<Point2>,
 }
 
-impl Sweep<'_> {
+impl<'a> Sweep<'a> {
     /// Lays all lines of a region.
     fn region(&mut self, lines: Range<u32>, rings: Range<usize>, mut found: impl FnMut(FillPath)) {
         let border = self.border;
@@ -170,17 +173,18 @@ impl Sweep<'_> {
                 if self.laid[line as usize] {
                     continue;
                 }
-                let points = self.climb(line, &obstacles);
-                if points.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>() >= self.style.least {
-                    self.last = points.last().copied();
-                    found(FillPath { points, kind: self.style.kind });
+                self.climb(line, &obstacles);
+                let length = self.points.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
+                if length >= self.style.least {
+                    self.last = self.points.last().copied();
+                    found(FillPath { points: self.points.clone(), kind: self.style.kind });
                 }
             }
         }
     }
 
-    /// The path that begins with a line and climbs as far as it can.
-    fn climb(&mut self, first: u32, obstacles: &impl Deref<Target = Obstacles>) -> Vec<Point2> {
+    /// Makes the path that begins with a line and climbs as far as it can.
+    fn climb(&mut self, first: u32, obstacles: &impl Deref<Target = Obstacles<'a>>) {
         self.lay(first);
         let links = [self.link(first, 0, obstacles), self.link(first, 1, obstacles)];
         // Leave where it goes on, else begin near the last path's end.
@@ -190,7 +194,9 @@ impl Sweep<'_> {
             _ => self.farther_end(first),
         };
         let mut next = links[leave];
-        let mut points = vec![self.end(first, 1 - leave), self.end(first, leave)];
+        let mut points = std::mem::take(&mut self.points);
+        points.clear();
+        points.extend([self.end(first, 1 - leave), self.end(first, leave)]);
         while let Some((line, link)) = next {
             if let Link::Border(run) = link {
                 points.extend(self.border.vertices(run));
@@ -202,7 +208,7 @@ impl Sweep<'_> {
             next = self.link(line, leave, obstacles);
         }
         points.dedup();
-        points
+        self.points = points;
     }
 
     /// Marks a line as laid and releases the lines that waited for it.
@@ -217,7 +223,12 @@ impl Sweep<'_> {
     }
 
     /// How to go on from an end of a line: the next line, which is entered at the same end.
-    fn link(&self, line: u32, end: usize, obstacles: &impl Deref<Target = Obstacles>) -> Option<(u32, Link)> {
+    fn link(
+        &self,
+        line: u32,
+        end: usize,
+        obstacles: &impl Deref<Target = Obstacles<'a>>,
+    ) -> Option<(u32, Link)> {
         let from = self.lines[line as usize];
         let is_free = |i: u32| !self.laid[i as usize] && self.waiting[i as usize] == 0;
         if from.hit[end] != INSIDE

@@ -1,16 +1,15 @@
 //! Which parts of a layer are solid: comparison with the layers above and below, on rows.
 
 use super::FillPlan;
-use crate::span::algebra::{and, dilate, or, sub};
+use crate::span::algebra::{and, close_rows, dilate, or, sub};
 use crate::span::{RowFrame, Rows, components};
 
-/// Solid patches are shrunk by this along the rows before they are grown \[nm\]: narrower ones vanish.
+/// Solid patches lose this at either end of a row before they are grown \[nm\]: shorter ones vanish.
+/// Across the rows a patch must be two rows wide, or one row beside a wall.
 const SHRINK: f64 = 250_000.0;
-/// The same across, in rows.
-const SHRINK_ROWS: u32 = 1;
-/// What is left grows by this much more than it shrank across, in rows; along the rows by as many
-/// spacings. The excess anchors a skin in its surroundings.
-const ANCHOR_ROWS: u32 = 1;
+/// What is left grows by this more than it shrank, in rows and, along the rows, in spacings. It
+/// anchors a skin in its surroundings.
+const ANCHOR: u32 = 1;
 
 /// An infill area divided by kind; the parts are disjoint and together the whole.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -68,7 +67,7 @@ fn covered(i: usize, own: &Rows, outlines: &[&Rows], levels: &[Level], plan: &Fi
     let mut step = |j: Option<usize>, last: &mut Option<usize>| -> Option<()> {
         let rows: &Rows = outlines.get(j?)?;
         // Prismatic parts: the same outline again changes nothing.
-        if last.is_none_or(|l| outlines[l] != rows) {
+        if last.is_none_or(|l| !std::ptr::eq(outlines[l], rows)) {
             covered = and(&covered, rows);
         }
         *last = j;
@@ -101,16 +100,16 @@ fn covered(i: usize, own: &Rows, outlines: &[&Rows], levels: &[Level], plan: &Fi
 /// stands for nothing covered.
 ///
 /// What lies outside `own` counts as exposed while shrinking, so that a patch keeps its full width
-/// beside a wall: shrinking the patch is growing the covered part of `own`.
+/// beside a wall: to shrink the patch is to grow the covered part of `own`.
 fn open(own: &Rows, covered: Option<Rows>, frame: &RowFrame) -> Rows {
     let Some(covered) = covered else { return own.clone() };
     if covered == *own {
         return Rows::default();
     }
     let shrink = frame.units(SHRINK);
-    let grow = shrink + i64::from(ANCHOR_ROWS) * frame.pitch();
-    let core = sub(own, &dilate(&covered, SHRINK_ROWS, length(shrink)));
-    and(own, &dilate(&core, SHRINK_ROWS + ANCHOR_ROWS, length(grow)))
+    let grow = shrink + i64::from(ANCHOR) * frame.pitch();
+    let core = sub(own, &close_rows(&dilate(&covered, 0, length(shrink))));
+    and(own, &dilate(&core, ANCHOR, length(grow)))
 }
 
 fn length(units: i64) -> i32 {

@@ -17,6 +17,7 @@ pub fn and(a: &Rows, b: &Rows) -> Rows {
 }
 
 /// The intersection of two rows; each piece comes with the index of its span in `a`.
+#[inline]
 pub fn and_row(a: &[Span], b: &[Span], mut piece: impl FnMut(Span, usize)) {
     let (mut i, mut j) = (0, 0);
     while i < a.len() && j < b.len() {
@@ -128,6 +129,27 @@ pub fn erode(area: &Rows, across: u32, along: i32) -> Rows {
         }
         for s in &kept {
             out.push(s.start.saturating_add(along), s.end.saturating_sub(along));
+        }
+        out.end_row();
+    }
+    out.finish()
+}
+
+/// Fills gaps that are one row wide: closing by two rows, so that a row gains what both its
+/// neighbours have.
+pub fn close_rows(area: &Rows) -> Rows {
+    let mut out =
+        RowsBuilder::with_capacity(area.first(), (area.end() - area.first()) as usize, area.spans().len());
+    let mut spans = Vec::new();
+    for (k, row) in area.iter() {
+        spans.clear();
+        spans.extend_from_slice(row);
+        and_row(area.row(k - 1), area.row(k + 1), |s, _| spans.push(s));
+        if spans.len() > row.len() {
+            spans.sort_unstable();
+        }
+        for s in &spans {
+            out.push(s.start, s.end);
         }
         out.end_row();
     }

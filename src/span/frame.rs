@@ -55,6 +55,7 @@ impl RowFrame {
     }
 
     /// Units per nanometre: 1, or √2 on the diagonals.
+    #[inline]
     pub fn scale(&self) -> f64 {
         match self.axes {
             Axes::Exact { a, b } if a * b != 0 => SQRT_2,
@@ -63,11 +64,13 @@ impl RowFrame {
     }
 
     /// A length \[nm\] in units, rounded.
+    #[inline]
     pub fn units(&self, nm: f64) -> i64 {
         (nm * self.scale()).round() as i64
     }
 
     /// Distance between rows \[units\].
+    #[inline]
     pub fn pitch(&self) -> i64 {
         self.pitch
     }
@@ -79,6 +82,7 @@ impl RowFrame {
 
     /// The frame's coordinates (s, t) of a point. No lattice point overflows: |x| and |y| are below
     /// 2^30, so that |x ± y| is below 2^31.
+    #[inline]
     pub fn st(&self, p: Point2) -> (i32, i32) {
         let (x, y) = (i64::from(p.x), i64::from(p.y));
         match self.axes {
@@ -91,6 +95,7 @@ impl RowFrame {
     }
 
     /// The lattice point nearest to (s, t), off by at most half a nanometre in x and in y.
+    #[inline]
     pub fn xy(&self, s: i32, t: i64) -> Point2 {
         let s = i64::from(s);
         match self.axes {
@@ -108,16 +113,19 @@ impl RowFrame {
     }
 
     /// Position of row `k` across the rows \[units\].
+    #[inline]
     pub fn t(&self, k: i32) -> i64 {
         self.phase + i64::from(k) * self.pitch
     }
 
     /// The highest row at or below `t` \[units\].
+    #[inline]
     pub fn row_below(&self, t: i64) -> i32 {
         (t - self.phase).div_euclid(self.pitch) as i32
     }
 
     /// The row nearest to `t` \[units\]; the upper one of two.
+    #[inline]
     pub fn nearest_row(&self, t: i64) -> i32 {
         self.row_below(t + self.pitch / 2)
     }

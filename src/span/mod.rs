@@ -11,3 +11,6 @@ pub mod scan;
 pub use frame::RowFrame;
 pub use rows::{Rows, RowsBuilder, Span};
 pub use scan::{Hit, Trace, scan, trace};
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -30,21 +30,25 @@ pub struct Rows {
 
 impl Rows {
     /// Index of the first stored row.
+    #[inline]
     pub fn first(&self) -> i32 {
         self.first
     }
 
     /// Index behind the last stored row.
+    #[inline]
     pub fn end(&self) -> i32 {
         self.first + self.offset.len().saturating_sub(1) as i32
     }
 
     /// The spans of row `k`; empty for rows not stored.
+    #[inline]
     pub fn row(&self, k: i32) -> &[Span] {
         &self.spans[self.range(k)]
     }
 
     /// Where the spans of row `k` lie in [`Self::spans`]; empty for rows not stored.
+    #[inline]
     pub fn range(&self, k: i32) -> std::ops::Range<usize> {
         if k < self.first || k >= self.end() {
             return 0..0;
@@ -96,6 +100,7 @@ impl RowsBuilder {
 
     /// Appends a span to the current row. Starts must not descend within a row; an empty span is
     /// dropped, one that overlaps or touches the one before is merged into it.
+    #[inline]
     pub fn push(&mut self, start: i32, end: i32) {
         if start >= end {
             return;
@@ -111,6 +116,7 @@ impl RowsBuilder {
     }
 
     /// Ends the current row and begins the next.
+    #[inline]
     pub fn end_row(&mut self) {
         self.begun = self.rows.spans.len();
         self.rows.offset.push(self.begun as u32);

@@ -61,6 +61,7 @@ pub fn trace<'a>(rings: impl IntoIterator<Item = &'a [Point2]>, frame: &RowFrame
 /// nearest unit, halves towards +s.
 ///
 /// Differences fit 32 bits, so the product plus the bias stays below 2^64.
+#[inline]
 pub fn crossing(s0: i32, t0: i32, s1: i32, t1: i32, t: i64) -> i32 {
     let dt = (i64::from(t1) - i64::from(t0)) as u64;
     let u = (t - i64::from(t0)) as u64;
@@ -84,7 +85,12 @@ fn walk(ring: &[Point2], index: u32, frame: &RowFrame, hits: &mut Vec<Hit>) {
     for (i, &p) in ring.iter().enumerate() {
         let (s1, t1) = frame.st(p);
         if i64::from(t1) < low || i64::from(t1) >= high {
-            let row1 = frame.row_below(t1.into());
+            // Steps to a neighbouring strip need no division.
+            let row1 = match i64::from(t1) - low {
+                d if (frame.pitch()..2 * frame.pitch()).contains(&d) => row0 + 1,
+                d if (-frame.pitch()..0).contains(&d) => row0 - 1,
+                _ => frame.row_below(t1.into()),
+            };
             let edge = if i == 0 { ring.len() - 1 } else { i - 1 } as u32;
             let mut t = frame.t(row0);
             if row1 > row0 {

@@ -31,6 +31,16 @@ pub fn square(x: f64, y: f64, side: f64) -> Ring {
     vec![at(x - h, y - h), at(x + h, y - h), at(x + h, y + h), at(x - h, y + h)]
 }
 
+/// A counter-clockwise regular polygon about (x, y) \[mm\].
+pub fn circle(x: f64, y: f64, radius: f64, corners: usize) -> Ring {
+    (0..corners)
+        .map(|i| {
+            let (s, c) = libm::sincos(i as f64 * std::f64::consts::TAU / corners as f64);
+            at(x + radius * c, y + radius * s)
+        })
+        .collect()
+}
+
 /// An island without walls: its infill reaches its outline. Holes are given counter-clockwise.
 pub fn island(contour: Ring, holes: Vec<Ring>) -> Island {
     let holes = holes.into_iter().map(|h| h.into_iter().rev().collect()).collect();
