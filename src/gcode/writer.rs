@@ -22,6 +22,8 @@ pub struct Writer<'a, W> {
     machine: Machine,
     summary: Summary,
     bounds: Bounds,
+    /// Filament by role \[10 nm\].
+    role_e: [i64; Role::COUNT],
     /// The width each role had last and the comment that states it.
     widths: [(f64, String); Role::COUNT],
 }
@@ -98,6 +100,7 @@ impl<'a, W: io::Write> Writer<'a, W> {
             machine: Machine::default(),
             summary: Summary::default(),
             bounds: Bounds { low: [i64::MAX; 3], high: [i64::MIN; 3] },
+            role_e: [0; Role::COUNT],
             widths: Default::default(),
         };
         writer.buffer.extend_from_slice(&preamble::head(layers, settings, texts));
@@ -156,6 +159,7 @@ impl<'a, W: io::Write> Writer<'a, W> {
             self.retract();
         }
         self.summary.filament_mm = self.machine.e_net as f64 / 1e5;
+        self.summary.role_mm = self.role_e.map(|e| e as f64 / 1e5);
         self.summary.weigh(&self.settings.filament);
         if self.bounds.low[2] <= self.bounds.high[2] {
             self.summary.low = self.bounds.low.map(|v| v as f64 / 1000.0);
@@ -197,7 +201,7 @@ impl<'a, W: io::Write> Writer<'a, W> {
             from = to;
             self.extrude_to(to, feed, extrusion.role);
         }
-        self.summary.role_mm[extrusion.role.index()] += (self.machine.e_net - before) as f64 / 1e5;
+        self.role_e[extrusion.role.index()] += self.machine.e_net - before;
         self.summary.extruded_mm += extrusion.length;
         self.summary.seconds_at_least += extrusion.length / extrusion.speed;
     }
