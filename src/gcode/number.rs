@@ -74,11 +74,28 @@ impl Line {
     pub const SIZE: usize = 128;
 
     /// What was written so far.
+    #[inline]
     pub fn as_bytes(&self) -> &[u8] {
         &self.bytes[..self.length]
     }
 
+    /// Appends the text to `out`.
+    #[inline]
+    pub fn append_to(&self, out: &mut Vec<u8>) {
+        // Most lines are short, and a copy of constant length needs no call.
+        const SHORT: usize = 64;
+        match self.bytes.first_chunk::<SHORT>() {
+            Some(short) if self.length <= SHORT => {
+                let end = out.len() + self.length;
+                out.extend_from_slice(short);
+                out.truncate(end);
+            }
+            _ => out.extend_from_slice(self.as_bytes()),
+        }
+    }
+
     /// Forgets the text.
+    #[inline]
     pub fn clear(&mut self) {
         self.length = 0;
     }

@@ -22,6 +22,10 @@ pub struct Writer<'a, W> {
     machine: Machine,
     summary: Summary,
     bounds: Bounds,
+    /// Filament by role \[10 nm\].
+    role_e: [i64; Role::COUNT],
+    /// The width each role had last and the comment that states it.
+    widths: [(f64, String); Role::COUNT],
 }
 
 /// Lowest and highest extruded coordinates \[µm\].
@@ -96,6 +100,8 @@ impl<'a, W: io::Write> Writer<'a, W> {
             machine: Machine::default(),
             summary: Summary::default(),
             bounds: Bounds { low: [i64::MAX; 3], high: [i64::MIN; 3] },
+            role_e: [0; Role::COUNT],
+            widths: Default::default(),
         };
         writer.buffer.extend_from_slice(&preamble::head(layers, settings, texts));
         Ok(writer)
@@ -153,6 +159,7 @@ impl<'a, W: io::Write> Writer<'a, W> {
             self.retract();
         }
         self.summary.filament_mm = self.machine.e_net as f64 / 1e5;
+        self.summary.role_mm = self.role_e.map(|e| e as f64 / 1e5);
         self.summary.weigh(&self.settings.filament);
         if self.bounds.low[2] <= self.bounds.high[2] {
             self.summary.low = self.bounds.low.map(|v| v as f64 / 1000.0);
@@ -171,11 +178,16 @@ impl<'a, W: io::Write> Writer<'a, W> {
         if self.machine.role != Some(extrusion.role) {
             self.machine.role = Some(extrusion.role);
             self.machine.width = 0.0;
-            append(&format!(";TYPE:{}", extrusion.role.name()), &mut self.buffer);
+            self.buffer.extend_from_slice(b";TYPE:");
+            append(extrusion.role.name(), &mut self.buffer);
         }
         if self.machine.width != extrusion.width {
             self.machine.width = extrusion.width;
-            append(&format!(";WIDTH:{}", plain(extrusion.width, 6)), &mut self.buffer);
+            let own = &mut self.widths[extrusion.role.index()];
+            if own.0 != extrusion.width {
+                *own = (extrusion.width, format!(";WIDTH:{}", plain(extrusion.width, 6)));
+            }
+            append(&own.1, &mut self.buffer);
         }
         self.unretract();
         let feed = feed(extrusion.speed);
@@ -189,7 +201,7 @@ impl<'a, W: io::Write> Writer<'a, W> {
             from = to;
             self.extrude_to(to, feed, extrusion.role);
         }
-        self.summary.role_mm[extrusion.role.index()] += (self.machine.e_net - before) as f64 / 1e5;
+        self.role_e[extrusion.role.index()] += self.machine.e_net - before;
         self.summary.extruded_mm += extrusion.length;
         self.summary.seconds_at_least += extrusion.length / extrusion.speed;
     }
@@ -366,12 +378,12 @@ impl<'a, W: io::Write> Writer<'a, W> {
 
     #[inline]
     fn end_line(&mut self, comment: &str) {
-        self.buffer.extend_from_slice(self.line.as_bytes());
         if self.settings.output.gcode_comments {
-            self.buffer.extend_from_slice(b" ; ");
-            self.buffer.extend_from_slice(comment.as_bytes());
+            self.line.text(b" ; ");
+            self.line.text(comment.as_bytes());
         }
-        self.buffer.push(b'\n');
+        self.line.text(b"\n");
+        self.line.append_to(&mut self.buffer);
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -400,5 +412,5 @@ impl<'a, W: io::Write> Writer<'a, W> {
 
 /// A speed in mm/s as F, in thousandths of mm/min and rounded to whole mm/min.
 fn feed(speed: f64) -> i64 {
-    (speed * 60.0).round().clamp(1.0, 1e9) as i64 * 1000
+    ((speed * 60.0).clamp(1.0, 1e9) + 0.5) as i64 * 1000
 }

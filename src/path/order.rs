@@ -157,6 +157,9 @@ impl<'a> Planner<'a> {
 
     /// Prints the infill lines, kind by kind, each kind by nearest end.
     fn fills(&mut self, fills: &[FillPath], sheet: &mut Sheet<'_>) {
+        if fills.is_empty() {
+            return;
+        }
         for kind in [FillKind::Sparse, FillKind::Solid, FillKind::TopSolid] {
             let own = fills.iter().filter(|f| f.kind == kind && f.points.len() >= 2);
             let paths: Vec<&[Point2]> = own.map(|f| f.points.as_slice()).collect();

@@ -36,6 +36,7 @@ pub(super) fn simplify(points: &mut Vec<Point2>, from: usize, tolerance: f64) {
 }
 
 /// Squared distance of `p` to the segment from `a` to `b` \[nm²\].
+#[inline]
 pub(super) fn square_to_segment(p: Point2, a: Point2, b: Point2) -> f64 {
     let (ux, uy) = b.minus(a);
     let (vx, vy) = p.minus(a);
