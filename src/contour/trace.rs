@@ -25,7 +25,8 @@ pub struct TraceOptions {
     pub simplify_tolerance: Option<i64>,
     /// Gaps in open contours are closed up to this \[nm\]; see [`super::chains::close`].
     pub match_tolerance: i64,
-    /// Bytes of working memory for the lists of triangles, beyond 12 per triangle.
+    /// Bytes that listing a triangle in several runs of planes may cost, beyond some 24 per triangle;
+    /// a small budget costs parallelism, never the result.
     pub memory_budget: u64,
 }
 
