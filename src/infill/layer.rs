@@ -28,6 +28,9 @@ pub struct FillLayer<'a> {
 /// Paths of an island come kind by kind (sparse, solid, top), region by region, and in the order in
 /// which they are to be laid; the lines of a solid region are laid in one sweep if that order and the
 /// paths' directions are kept. Every path stays within 2 nm of the island's infill areas.
+///
+/// Rows lie at fixed places of the mesh frame, so a border parallel to them may be up to one spacing
+/// away from the nearest line. The spacing counts the lines alone: the links between them come on top.
 pub fn fill(layers: &[FillLayer], plan: &FillPlan) -> Vec<Vec<Vec<FillPath>>> {
     let frames = [false, true].map(|turned| plan.area_frame(turned));
     let levels: Vec<Level> =

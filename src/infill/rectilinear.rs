@@ -18,8 +18,10 @@ use crate::span::algebra::and_row;
 use std::cell::LazyCell;
 use std::ops::{Deref, Range};
 
-/// A way between two lines may be this many times their distance.
+/// A way between two lines may be this many times their distance,
 const LINK_LIMIT: f64 = 3.0;
+/// and no longer than this \[nm\].
+const LONGEST_LINK: f64 = 50e6;
 
 /// How lines are laid.
 #[derive(Clone, Copy, Debug)]
@@ -73,7 +75,7 @@ pub fn lay(border: &Border, area: &Rows, style: Style, mut found: impl FnMut(usi
         waiting,
         laid: vec![false; lines.len()],
         ready: Vec::new(),
-        limit: LINK_LIMIT * style.pitch,
+        limit: (LINK_LIMIT * style.pitch).min(LONGEST_LINK),
         style,
         last: None,
         points: Vec::new(),

@@ -8,7 +8,8 @@ pub fn and(a: &Rows, b: &Rows) -> Rows {
     if first >= end {
         return Rows::default();
     }
-    let mut out = RowsBuilder::new(first);
+    let most = a.spans().len().max(b.spans().len());
+    let mut out = RowsBuilder::with_capacity(first, (end - first) as usize, most);
     for k in first..end {
         and_row(a.row(k), b.row(k), |s, _| out.push(s.start, s.end));
         out.end_row();
