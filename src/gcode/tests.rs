@@ -81,7 +81,8 @@ fn verify(
 ) -> Result<BTreeMap<&'static str, f64>, String> {
     let moves = read(text)?;
     let mut printed = moves.iter().filter(|m| m.from[..2] != m.to[..2] && m.e != 0.0);
-    let (mut read_e, mut planned_e) = (BTreeMap::new(), BTreeMap::new());
+    let mut read_e: BTreeMap<&str, f64> = BTreeMap::new();
+    let mut planned_e: BTreeMap<&str, f64> = BTreeMap::new();
     let area = PI / 4.0 * settings.filament.filament_diameter.powi(2);
     let at = |p: Point2| [0, 1].map(|a| ([p.x, p.y][a] as i64 + ORIGIN[a]) as f64 / 1e6);
     for layer in layers {

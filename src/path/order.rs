@@ -8,7 +8,7 @@ use super::{Extrusion, LayerPlan, PrintIsland, PrintLayer, Role, cooling, simpli
 use crate::infill::{FillKind, FillPath};
 use crate::lattice::{NM_PER_MM, Point2, mm};
 use crate::region::Wall;
-use crate::settings::{SeamPosition, Settings};
+use crate::settings::{FillPattern, SeamPosition, Settings};
 use std::ops::Range;
 
 /// The gap at a loop's end, as a share of the nozzle's bore (PrusaSlicer's).
@@ -18,7 +18,8 @@ const SEAM_GAP: f64 = 0.15;
 ///
 /// Islands are visited by nearest neighbour; in each of them walls go from the innermost to the
 /// external one (`external_perimeters_first` turns that round), nest by nest, then the infill (or
-/// the infill first, by `infill_first`): sparse, solid and top lines, each by nearest end.
+/// the infill first, by `infill_first`): sparse, solid and top lines, each by nearest end. Monotonic
+/// top lines keep their given order and directions.
 #[derive(Clone, Debug)]
 pub struct Planner<'a> {
     settings: &'a Settings,
@@ -163,6 +164,12 @@ impl<'a> Planner<'a> {
         for kind in [FillKind::Sparse, FillKind::Solid, FillKind::TopSolid] {
             let own = fills.iter().filter(|f| f.kind == kind && f.points.len() >= 2);
             let paths: Vec<&[Point2]> = own.map(|f| f.points.as_slice()).collect();
+            if kind == FillKind::TopSolid && self.settings.infill.top_fill_pattern == FillPattern::Monotonic {
+                for path in paths {
+                    self.at = sheet.open(path, false, Role::of_fill(kind), self.at);
+                }
+                continue;
+            }
             // Ends 2i and 2i + 1 belong to path i.
             self.ends.fill(paths.iter().flat_map(|p| [p[0], p[p.len() - 1]]));
             while let Some((end, _)) = self.ends.take(self.at) {
@@ -289,6 +296,19 @@ mod tests {
         let plans = plan(&[layer(vec![island])], Point2::default(), &Settings::default());
         assert!((travel(&plans[0], Point2::default()) - 59.0).abs() < 1e-9);
         assert!(plans[0].extrusions.iter().all(|e| !e.retract));
+    }
+
+    #[test]
+    fn monotonic_top_lines_keep_their_order() {
+        let line = |y: i32| FillPath {
+            points: vec![Point2::new(0, y), Point2::new(9_000_000, y)],
+            kind: FillKind::TopSolid,
+        };
+        let fills: Vec<_> = (0..9).rev().map(|i| line(i * 1_000_000)).collect();
+        let printed = layer(vec![PrintIsland { walls: Vec::new(), fills: fills.clone() }]);
+        let plans = plan(&[printed], Point2::default(), &Settings::default());
+        let paths: Vec<_> = plans[0].extrusions.iter().map(|e| plans[0].path(e).to_vec()).collect();
+        assert!(paths.iter().eq(fills.iter().map(|f| &f.points)));
     }
 
     fn roles(settings: &Settings) -> Vec<Role> {
