@@ -128,8 +128,8 @@ mod tests {
     fn the_borders_are_checked() {
         assert_eq!(nm_from_mm(0.2), Ok(200_000));
         assert_eq!(nm_from_mm(-0.000_000_5), Ok(-1));
-        assert_eq!(nm_from_mm(1073.741_823), Ok(LIMIT - 1));
-        assert!(matches!(nm_from_mm(1073.741_824), Err(LatticeError::OutOfRange(_))));
+        assert_eq!(nm_from_mm(1_073.741_823), Ok(LIMIT - 1));
+        assert!(matches!(nm_from_mm(1_073.741_824), Err(LatticeError::OutOfRange(_))));
         assert!(matches!(nm_from_mm(f64::NAN), Err(LatticeError::NotFinite(_))));
         assert!(matches!(nm_from_mm(f64::INFINITY), Err(LatticeError::NotFinite(_))));
     }

@@ -5,6 +5,8 @@
 
 #[path = "gpu/compare.rs"]
 mod compare;
+#[path = "gpu/files.rs"]
+mod files;
 #[path = "kernels/mod.rs"]
 mod kernels;
 #[path = "gpu/limits.rs"]
@@ -59,7 +61,7 @@ fn main() -> ExitCode {
     // An empty part matches every name: software devices are welcome here.
     let found = choose(&Selection::Named(asked.clone().unwrap_or_default()));
     let required = asked.is_some() || std::env::var("MICROTOME_REQUIRE_GPU").is_ok_and(|v| v == "1");
-    let tests: Vec<Test> = [scan::TESTS, wide::TESTS, slice::TESTS, limits::TESTS].concat();
+    let tests: Vec<Test> = [scan::TESTS, wide::TESTS, slice::TESTS, limits::TESTS, files::TESTS].concat();
     let trials = match found {
         Ok(adapter) => {
             let on = adapter.info.name.clone();

@@ -55,8 +55,8 @@ pub fn render(mesh: &Mesh, width: u32, height: u32, layer_height: Option<f64>) -
 /// World to view: x right, y up, z towards the eye. Turned 35 degrees about z, raised 30 degrees;
 /// the sines are written out so that no platform's trigonometry is involved.
 fn camera() -> DMat3 {
-    let (sin_turn, cos_turn) = (0.573_576_436_351_046_1, 0.819_152_044_288_991_8);
-    let (sin_rise, cos_rise) = (0.5, 0.866_025_403_784_438_6);
+    let (sin_turn, cos_turn) = (0.573_576_436_351_046, 0.819_152_044_288_992);
+    let (sin_rise, cos_rise) = (0.5, 0.866_025_403_784_439);
     let right = DVec3::new(cos_turn, sin_turn, 0.0);
     let towards_eye = DVec3::new(sin_turn * cos_rise, -cos_turn * cos_rise, sin_rise);
     let up = towards_eye.cross(right);

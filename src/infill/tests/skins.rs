@@ -162,7 +162,7 @@ fn settings_widen_the_skin() {
     };
     assert_eq!(is_solid(|_| {}), [0, 1, 2, 27, 28, 29]);
     assert_eq!(is_solid(|s| s.top_solid_layers = 1), [0, 1, 2, 29]);
-    assert_eq!(is_solid(|s| (s.top_solid_layers, s.bottom_solid_layers) = (0, 0)), []);
+    assert_eq!(is_solid(|s| (s.top_solid_layers, s.bottom_solid_layers) = (0, 0)), [0usize; 0]);
     assert_eq!(is_solid(|s| s.top_solid_min_thickness = 1.0), [0, 1, 2, 25, 26, 27, 28, 29]);
     assert_eq!(is_solid(|s| s.bottom_solid_min_thickness = 0.9), [0, 1, 2, 3, 4, 27, 28, 29]);
     assert_eq!(is_solid(|s| s.solid_infill_every_layers = 10), [0, 1, 2, 10, 20, 27, 28, 29]);

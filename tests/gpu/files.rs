@@ -1,0 +1,59 @@
+//! Whole files from the program: the GPU's are the CPU's.
+
+use crate::compare::ensure;
+use crate::{Bench, Test};
+use libtest_mimic::Failed;
+use microtome::mesh::{Mesh, demo_part, shapes, stl_write::write_stl_binary};
+use std::path::Path;
+use std::process::{Command, Output};
+
+pub const TESTS: &[Test] =
+    &[("gcode_files_equal_the_cpu's", files), ("a_missing_gpu_is_exit_code_5_without_a_file", missing)];
+
+fn run(folder: &Path, more: &[&str]) -> Result<Output, Failed> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_microtome"));
+    command.args(["slice", "model.stl"]).args(more).current_dir(folder);
+    Ok(command.env_remove("SOURCE_DATE_EPOCH").output()?)
+}
+
+fn gcode(folder: &Path, more: &[&str]) -> Result<Vec<u8>, Failed> {
+    let more: Vec<&str> = more.iter().copied().chain(["-o", "out.gcode", "--resolution", "0.005"]).collect();
+    let done = run(folder, &more)?;
+    ensure(done.status.success(), String::from_utf8_lossy(&done.stderr).into_owned())?;
+    Ok(std::fs::read(folder.join("out.gcode"))?)
+}
+
+fn files(bench: &Bench) -> Result<(), Failed> {
+    let adapter = bench.adapter.info.name.as_str();
+    let mut open = shapes::sphere(12.0, 40, 30);
+    open.triangles.remove(700);
+    let bodies: [(&str, Mesh); 4] = [
+        ("the demo part", demo_part()),
+        ("a ball", shapes::sphere(15.0, 120, 80)),
+        ("a ball with a hole", open),
+        ("a knot", shapes::upright(&shapes::knot(30.0, 6.0, 20_000))),
+    ];
+    for (name, mesh) in bodies {
+        let dir = tempfile::tempdir()?;
+        let mut stl = Vec::new();
+        write_stl_binary(&mesh, &mut stl)?;
+        std::fs::write(dir.path().join("model.stl"), stl)?;
+        let cpu = gcode(dir.path(), &["--backend", "cpu"])?;
+        let gpu = gcode(dir.path(), &["--backend", "gpu", "--adapter", adapter, "--threads", "1"])?;
+        ensure(cpu.len() > 10_000, format!("{name}: {} bytes", cpu.len()))?;
+        ensure(cpu == gpu, format!("{name}: the files differ"))?;
+        let planted = gcode(dir.path(), &["--backend", "cpu", "--layer-height", "0.31"])?;
+        ensure(cpu != planted, format!("{name}: the comparison is blind"))?;
+    }
+    Ok(())
+}
+
+fn missing(_: &Bench) -> Result<(), Failed> {
+    let dir = tempfile::tempdir()?;
+    let mut stl = Vec::new();
+    write_stl_binary(&shapes::sphere(10.0, 20, 10), &mut stl)?;
+    std::fs::write(dir.path().join("model.stl"), stl)?;
+    let done = run(dir.path(), &["--backend", "gpu", "--adapter", "no such device", "-o", "out.gcode"])?;
+    ensure(done.status.code() == Some(5), format!("{done:?}"))?;
+    ensure(!dir.path().join("out.gcode").exists(), "a file was left")
+}
