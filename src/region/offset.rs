@@ -53,6 +53,11 @@ pub fn outset(polygons: &[ExPolygon], distance: i64, join: Join) -> Vec<ExPolygo
     if distance < 0 {
         return inset(polygons, -distance);
     }
+    if join == Join::Miter
+        && let Some(grown) = wavefront::outset(polygons, distance)
+    {
+        return grown;
+    }
     let raw: Vec<Ring> =
         polygons.iter().flat_map(ExPolygon::rings).map(|r| raw_curve(r, -(distance as f64), join)).collect();
     simplified(boolean::union(&raw, Winding::Positive))
@@ -110,7 +115,7 @@ pub(super) fn simplify(ring: &mut Ring, tolerance: f64) {
 }
 
 /// Squared distance of `p` from the segment (a, b) \[nm²\].
-fn distance2(p: Point2, a: Point2, b: Point2) -> f64 {
+pub(super) fn distance2(p: Point2, a: Point2, b: Point2) -> f64 {
     let (ux, uy) = b.minus(a);
     let (vx, vy) = p.minus(a);
     let (ux, uy, vx, vy) = (ux as f64, uy as f64, vx as f64, vy as f64);
