@@ -5,7 +5,7 @@
 //! itself; its winding number at a point is the outline's less the number of strips and joints there,
 //! so the inset is where that is positive (Chen & McMains, "Polygon offsetting by computing winding
 //! numbers", ASME DETC 2005). This file builds the raw curves, which the polygon library unites, for
-//! those areas that the faster [`super::wavefront`] cannot do.
+//! those areas that the faster `wavefront` cannot do.
 
 use super::boolean::{self, Winding};
 use super::wavefront;
