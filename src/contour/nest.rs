@@ -19,10 +19,35 @@ use std::cmp::Ordering;
 /// The rings themselves, unchanged, when edges cross, overlap, have no length, or touch other than in
 /// the vertex that neighbours of one ring share.
 pub fn nest(rings: Vec<Ring>) -> Result<Vec<ExPolygon>, Vec<Ring>> {
+    if let [ring] = rings.as_slice()
+        && let Some(start) = convex(ring)
+    {
+        let places = [Place { start, fate: Fate::Contour }];
+        return Ok(assemble(rings, &places));
+    }
     match Sweep::new(&rings).run() {
         Some(places) => Ok(assemble(rings, &places)),
         None => Err(rings),
     }
+}
+
+/// Where a convex counter-clockwise ring is smallest; `None` for other rings.
+///
+/// Left turns all along with one smallest point are one turn in all, so such a ring needs no sweep.
+fn convex(ring: &[Point2]) -> Option<u32> {
+    let n = ring.len();
+    let (mut a, mut b) = (*ring.get(n.checked_sub(2)?)?, *ring.last()?);
+    let mut start = None;
+    for (i, &c) in ring.iter().enumerate() {
+        if cross(a, b, c) <= 0 {
+            return None;
+        }
+        if b < a && b < c && start.replace(if i == 0 { n - 1 } else { i - 1 } as u32).is_some() {
+            return None;
+        }
+        (a, b) = (b, c);
+    }
+    start
 }
 
 /// Where a ring ended up.
@@ -237,4 +262,34 @@ fn assemble(rings: Vec<Ring>, places: &[Place]) -> Vec<ExPolygon> {
     }
     polygons.sort_unstable_by(|a, b| a.contour.cmp(&b.contour));
     polygons
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(points: &[(i32, i32)]) -> Ring {
+        points.iter().map(|&(x, y)| Point2::new(x, y)).collect()
+    }
+
+    #[test]
+    fn convex_rings_need_no_sweep() {
+        let square = ring(&[(2, 2), (0, 2), (0, 0), (2, 0)]);
+        assert_eq!(convex(&square), Some(2));
+        for start in 0..4 {
+            let mut turned = square.clone();
+            turned.rotate_left(start);
+            assert_eq!(
+                nest(vec![turned]).unwrap_or_default()[0].contour,
+                ring(&[(0, 0), (2, 0), (2, 2), (0, 2)])
+            );
+        }
+        // A clockwise ring, a notch, a straight corner, a ring that runs around twice, nothing.
+        assert_eq!(convex(&ring(&[(0, 0), (0, 2), (2, 2), (2, 0)])), None);
+        assert_eq!(convex(&ring(&[(0, 0), (4, 0), (4, 4), (3, 1)])), None);
+        assert_eq!(convex(&ring(&[(0, 0), (1, 0), (2, 0), (2, 2)])), None);
+        assert_eq!(convex(&ring(&[(0, 0), (4, 0), (4, 4), (0, 4), (1, 1), (3, 1), (3, 3), (1, 3)])), None);
+        assert_eq!(convex(&ring(&[(0, 0), (9, 3), (0, 6), (6, 0), (6, 7)])), None, "a pentagram");
+        assert_eq!(convex(&[]), None);
+    }
 }

@@ -4,7 +4,8 @@
 //! strips covers it. The strips' borders, added to the outline, give a *raw* curve that may cross
 //! itself; its winding number at a point is the outline's less the number of strips and joints there,
 //! so the inset is where that is positive (Chen & McMains, "Polygon offsetting by computing winding
-//! numbers", ASME DETC 2005). This file builds the raw curves; the polygon library unites them.
+//! numbers", ASME DETC 2005). This file builds the raw curves, which the polygon library unites, for
+//! those areas that the faster `wavefront` cannot do.
 
 use super::boolean::{self, Winding};
 use super::wavefront;
@@ -53,6 +54,11 @@ pub fn outset(polygons: &[ExPolygon], distance: i64, join: Join) -> Vec<ExPolygo
     if distance < 0 {
         return inset(polygons, -distance);
     }
+    if join == Join::Miter
+        && let Some(grown) = wavefront::outset(polygons, distance)
+    {
+        return grown;
+    }
     let raw: Vec<Ring> =
         polygons.iter().flat_map(ExPolygon::rings).map(|r| raw_curve(r, -(distance as f64), join)).collect();
     simplified(boolean::union(&raw, Winding::Positive))
@@ -88,29 +94,32 @@ pub(super) fn simplify(ring: &mut Ring, tolerance: f64) {
         return;
     }
     let n = ring.len();
-    let at = |i: usize| ring[if i < n { i } else { i - n }];
     let limit = tolerance * tolerance;
-    let mut kept = vec![at(0)];
-    let mut from = 0;
+    let (mut from, mut kept) = (0, 1);
     while from < n {
         let mut to = from + 1;
-        while to < n && to - from < 64 {
-            let (a, b) = (at(from), at(to + 1));
-            if !(from + 1..=to).all(|i| distance2(at(i), a, b) <= limit) {
+        while to < n && to - from < LONGEST_RUN {
+            let (a, b) = (ring[from], ring[if to + 1 == n { 0 } else { to + 1 }]);
+            if !ring[from + 1..=to].iter().all(|&p| distance2(p, a, b) <= limit) {
                 break;
             }
             to += 1;
         }
         if to < n {
-            kept.push(at(to));
+            // Never ahead of what is still to be read.
+            ring[kept] = ring[to];
+            kept += 1;
         }
         from = to;
     }
-    *ring = kept;
+    ring.truncate(kept);
 }
 
+/// Most vertices that one edge replaces, which bounds the time that simplification takes.
+const LONGEST_RUN: usize = 64;
+
 /// Squared distance of `p` from the segment (a, b) \[nm²\].
-fn distance2(p: Point2, a: Point2, b: Point2) -> f64 {
+pub(super) fn distance2(p: Point2, a: Point2, b: Point2) -> f64 {
     let (ux, uy) = b.minus(a);
     let (vx, vy) = p.minus(a);
     let (ux, uy, vx, vy) = (ux as f64, uy as f64, vx as f64, vy as f64);

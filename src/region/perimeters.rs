@@ -166,13 +166,36 @@ fn centre_lines(line: Line, distance: i64, radius: i64, next: i64) -> Vec<Line> 
         return Vec::new();
     }
     let grown = offset::outset(&core, radius, Join::Miter);
-    let plain = match plain {
-        Inner::Proven(polygons) => polygons,
-        _ => offset::raw_inset(&polygon, distance as f64),
-    };
     // Mitred corners may grow past the plain inset, which is the nearest a wall may come.
-    let opened = boolean::intersection(&grown, &plain);
+    let opened = if keeps_clear(&grown, &polygon, distance) {
+        grown
+    } else {
+        let plain = match plain {
+            Inner::Proven(polygons) => polygons,
+            _ => offset::raw_inset(&polygon, distance as f64),
+        };
+        boolean::intersection(&grown, &plain)
+    };
     opened.into_iter().map(|polygon| Line { polygon, inner: Inner::Untried }).collect()
+}
+
+/// Pairs of a corner and an edge that are worth looking at instead of calling the polygon library.
+const WORTHWHILE: usize = 20_000;
+
+/// Whether no corner of `lines` comes nearer to the border of `polygon` than `distance` \[nm\], within
+/// the tolerance of simplification. Says no when it would take too long to tell.
+fn keeps_clear(lines: &[ExPolygon], polygon: &ExPolygon, distance: i64) -> bool {
+    let corners = lines.iter().flat_map(ExPolygon::rings).map(Vec::len).sum::<usize>();
+    if corners * polygon.rings().map(Vec::len).sum::<usize>() > WORTHWHILE {
+        return false;
+    }
+    let least = distance as f64 - 1.5 * offset::SIMPLIFY;
+    lines.iter().flat_map(ExPolygon::rings).flatten().all(|&p| {
+        polygon.rings().all(|ring| {
+            let ends = ring.iter().skip(1).chain(ring.first());
+            ring.iter().zip(ends).all(|(&a, &b)| offset::distance2(p, a, b) >= least * least)
+        })
+    })
 }
 
 #[cfg(test)]

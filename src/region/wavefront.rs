@@ -34,6 +34,25 @@ pub(super) fn inset(polygon: &ExPolygon, distance: i64) -> Option<Vec<ExPolygon>
     nest::nest(rings).ok()
 }
 
+/// The areas grown by `distance` \[nm\] with mitred corners, when that is proven right; not where they
+/// meet.
+pub(super) fn outset(polygons: &[ExPolygon], distance: i64) -> Option<Vec<ExPolygon>> {
+    let origin = *polygons.first()?.contour.first()?;
+    let mut rings = Vec::new();
+    for ring in polygons.iter().flat_map(ExPolygon::rings) {
+        // To grow is to inset the other side. A hole that closes leaves nothing.
+        let outside: Ring = ring.iter().rev().copied().collect();
+        if let Some(mut moved) = Front::new(&outside, origin)?.advance(distance as f64)? {
+            moved.reverse();
+            offset::simplify(&mut moved, offset::SIMPLIFY);
+            if moved.len() > 2 {
+                rings.push(moved);
+            }
+        }
+    }
+    nest::nest(rings).ok()
+}
+
 /// An edge of the front with the vertex at its start.
 #[derive(Clone, Copy, Debug)]
 struct Edge {
