@@ -4,12 +4,13 @@ use super::JobError;
 use super::backend::{self, BackendOptions};
 use super::error::WriteError;
 use super::gcode_text::GcodeText;
+use super::part::{self, Part};
 use super::progress::Progress;
-use super::summary::{FilamentSummary, MeshSummary, Stopwatch, Summary};
+use super::summary::{FilamentSummary, Stopwatch, Summary};
 use crate::contour::{LayerContours, Ring, TraceOptions};
 use crate::infill::FillLayer;
 use crate::lattice::{self, Point2};
-use crate::mesh::{self, Adjacency, Loaded, Mesh, Placement};
+use crate::mesh::{self, Loaded, Placement};
 use crate::path::{LayerPlan, Planner, PrintIsland, PrintLayer, Role};
 use crate::region::offset::{Join, inset, outset};
 use crate::region::perimeters::{self, WallPlan};
@@ -73,19 +74,9 @@ pub fn plan_mesh(
 ) -> Result<Planned, JobError> {
     let settings = job.settings;
     let mut warnings: Vec<String> = settings.validate()?.iter().map(ToString::to_string).collect();
-    warnings.extend(loaded.warnings.iter().map(|w| format!("{name}: {w}")));
-    let Loaded { mut mesh, facets, collapsed, .. } = loaded;
-    if mesh::flip_if_inside_out(&mut mesh) {
-        warnings.push(format!("{name}: the mesh is inside out; all its facets were turned"));
-    }
-    mesh::place(&mut mesh, &settings.printer.bed_shape, job.placement)?;
-    mesh::fits(&mesh, &settings.printer.bed_shape, settings.printer.max_print_height)?;
-
-    progress.stage("joining facets");
-    watch.stage("adjacency");
-    let adjacency = Adjacency::build(&mesh);
-    watch.stage("audit");
-    let mesh_summary = audit(&mesh, &adjacency, facets, collapsed, name, &mut warnings);
+    let part = part::prepare(loaded, name, &settings.printer, job.placement, progress, &mut watch)?;
+    let Part { mesh, adjacency, summary: mesh_summary, warnings: found } = part;
+    warnings.extend(found);
 
     progress.stage("slicing");
     watch.stage("slice");
@@ -264,40 +255,6 @@ fn assemble(
         skirt: if i < with_skirt { skirt.to_vec() } else { Vec::new() },
     };
     layers.into_iter().zip(islands.into_iter().zip(fills)).enumerate().map(join).collect()
-}
-
-/// Audits the mesh and puts what a user must know into words.
-fn audit(
-    mesh: &Mesh,
-    adjacency: &Adjacency,
-    facets: u64,
-    collapsed: u64,
-    name: &str,
-    warnings: &mut Vec<String>,
-) -> MeshSummary {
-    let found = mesh::audit(mesh, adjacency);
-    let mut note = |n: u64, what: &str| {
-        if n > 0 {
-            warnings.push(format!("{name}: {n} {what}"));
-        }
-    };
-    note(found.open_edges, "open edges: the surface has holes; contours there are closed by guess");
-    note(found.flipped_edges, "edges whose two facets disagree about the outside");
-    note(found.over_shared_edges, "edges shared by more than two facets");
-    note(found.duplicate_triangles, "duplicate facets");
-    let [lo, hi] = found.bounds;
-    let size = [0, 1, 2].map(|axis| hi[axis] - lo[axis]);
-    MeshSummary {
-        facets,
-        collapsed,
-        open_edges: found.open_edges,
-        over_shared_edges: found.over_shared_edges,
-        flipped_edges: found.flipped_edges,
-        duplicate_triangles: found.duplicate_triangles,
-        shells: found.shells,
-        volume_mm3: found.volume_mm3,
-        size_mm: size.map(lattice::mm),
-    }
 }
 
 /// Says what became of open contours.

@@ -5,6 +5,7 @@ pub mod error;
 pub mod filament;
 mod gcode_text;
 pub mod output;
+pub mod part;
 pub mod progress;
 pub mod summary;
 
