@@ -17,6 +17,7 @@ use crate::settings::Settings;
 use crate::settings::flow::Flow;
 use clap::Args;
 use sha2::{Digest, Sha256};
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -135,15 +136,14 @@ fn adapters() -> Vec<String> {
     Vec::new()
 }
 
-/// The part on the left; on the right the layer with the most kinds of line.
+/// The part on the left; on the right the layer with the most kinds of line and islands.
 fn draw(layers: &[PrintLayer], settings: &Settings) -> image::RgbImage {
     let part =
         picture::part::render(&mesh::demo_part(), PANEL.0, PANEL.1, Some(settings.slicing.layer_height));
     let telling = layers.iter().max_by_key(|l| {
-        let kinds: std::collections::BTreeSet<_> =
-            l.islands.iter().flat_map(|i| &i.fills).map(|f| f.kind).collect();
-        let lines: usize = l.islands.iter().map(|i| i.fills.len().min(40) + i.walls.len()).sum();
-        (kinds.len(), lines)
+        let fills = || l.islands.iter().flat_map(|i| &i.fills);
+        let kinds: BTreeSet<_> = fills().map(|f| f.kind).collect();
+        (kinds.len(), l.islands.len(), fills().count())
     });
     let strokes = telling.map_or(Vec::new(), |l| strokes(l, settings));
     picture::beside(&part, &picture::strokes::render(&strokes, PANEL.0, PANEL.1))
