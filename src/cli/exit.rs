@@ -48,8 +48,8 @@ impl CliError {
             Self::Stdout(_) => 6,
             Self::Job(e) => match e {
                 JobError::Mesh(_)
-                | JobError::Place(_)
-                | JobError::Planes(_)
+                | JobError::Place { .. }
+                | JobError::Planes { .. }
                 | JobError::Trace(_)
                 | JobError::Empty { .. } => 3,
                 JobError::Settings(_) | JobError::Template(_) => 4,

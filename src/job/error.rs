@@ -16,11 +16,21 @@ pub enum JobError {
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// The model does not fit the printer.
-    #[error(transparent)]
-    Place(#[from] PlaceError),
+    #[error("{model}: {error}")]
+    Place {
+        /// The model.
+        model: String,
+        /// What does not fit.
+        error: PlaceError,
+    },
     /// The model gives no layers, or too many.
-    #[error(transparent)]
-    Planes(#[from] PlaneError),
+    #[error("{model}: {error}")]
+    Planes {
+        /// The model.
+        model: String,
+        /// Why there are none.
+        error: PlaneError,
+    },
     /// The mesh is too large to be traced.
     #[error(transparent)]
     Trace(#[from] TraceError),
@@ -42,7 +52,7 @@ pub enum JobError {
     Template(#[from] TemplateError),
     /// The GPU asked for is missing or failed.
     #[cfg(feature = "gpu")]
-    #[error("{0}; --backend cpu writes the same file without a GPU")]
+    #[error(transparent)]
     Device(#[from] crate::gpu::GpuError),
     /// A GPU was asked for, and this program has none built in.
     #[error(

@@ -81,7 +81,8 @@ pub fn plan_mesh(
     progress.stage("slicing");
     watch.stage("slice");
     let [lo, hi] = mesh.world_bounds().unwrap_or_default();
-    let layers = planes::layers(lo[2], hi[2], &settings.slicing)?;
+    let layers = planes::layers(lo[2], hi[2], &settings.slicing)
+        .map_err(|error| JobError::Planes { model: name.to_owned(), error })?;
     let planes = planes::plane_zs(&layers, mesh.origin[2]);
     let options = TraceOptions::new(&settings.slicing);
     let traced = backend::contours(&mesh, &adjacency, &planes, &job.backend, &options)?;

@@ -37,8 +37,9 @@ pub fn prepare(
     if mesh::flip_if_inside_out(&mut mesh) {
         warnings.push(format!("{name}: the mesh is inside out; all its facets were turned"));
     }
-    mesh::place(&mut mesh, &printer.bed_shape, placement)?;
-    mesh::fits(&mesh, &printer.bed_shape, printer.max_print_height)?;
+    mesh::place(&mut mesh, &printer.bed_shape, placement)
+        .and_then(|()| mesh::fits(&mesh, &printer.bed_shape, printer.max_print_height))
+        .map_err(|error| JobError::Place { model: name.to_owned(), error })?;
     progress.stage("joining facets");
     watch.stage("adjacency");
     let adjacency = Adjacency::build(&mesh);
