@@ -30,19 +30,34 @@ impl<'a> Finish<'a> {
         }
     }
 
-    /// The contour being walked is a closed loop.
-    pub(super) fn close(&mut self) {
+    /// Appends points to the contour being walked; a closed one must follow.
+    #[inline]
+    pub(super) fn points(&mut self, points: impl Iterator<Item = Point2>) {
+        self.points.extend(points);
+    }
+
+    /// The contour being walked is a closed loop. Returns its ring's first point, if there is a ring.
+    pub(super) fn close(&mut self) -> Option<Point2> {
         ring::merge_repeats(&mut self.points);
+        let mut first = None;
         if self.points.len() >= 3 {
-            match self.options.simplify_tolerance {
-                Some(tolerance) => simplify::simplify(&mut self.points, &mut self.scratch, tolerance),
-                None => ring::canonicalise(&mut self.points),
-            }
-            if let Some(&first) = self.points.first() {
-                self.rings.push((ring::key(first), self.points.as_slice().to_vec()));
+            let ring = match self.options.simplify_tolerance {
+                Some(tolerance) => {
+                    simplify::simplify(&mut self.points, &mut self.scratch, tolerance);
+                    self.points.as_slice().to_vec()
+                }
+                None => {
+                    let (behind, before) = self.points.split_at(ring::start(&self.points));
+                    [before, behind].concat()
+                }
+            };
+            first = ring.first().copied();
+            if let Some(first) = first {
+                self.rings.push((ring::key(first), ring));
             }
         }
         self.points.clear();
+        first
     }
 
     /// The contour being walked is an open chain; `before` are the points in front of its first one,

@@ -2,10 +2,15 @@
 
 pub mod nest;
 pub mod chains;
+mod edge;
 mod finish;
+mod front;
 mod mate;
 pub mod ring;
+#[cfg(test)]
+mod same_bytes;
 pub mod simplify;
+mod surface;
 mod sweep;
 pub mod trace;
 pub mod walk;

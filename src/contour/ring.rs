@@ -4,7 +4,10 @@ use crate::lattice::Point2;
 
 /// Merges consecutive equal points of a closed contour, also across its end.
 pub fn merge_repeats(ring: &mut Vec<Point2>) {
-    ring.dedup();
+    // Repeats are rare, and looking for them is quicker than moving every point.
+    if ring.windows(2).fold(false, |any, w| any | (w[0] == w[1])) {
+        ring.dedup();
+    }
     while ring.len() > 1 && ring.first() == ring.last() {
         ring.pop();
     }
@@ -24,14 +27,17 @@ pub fn key(p: Point2) -> u64 {
 }
 
 /// The index at which the lexicographically smallest rotation begins.
-fn start(ring: &[Point2]) -> usize {
-    let (mut at, mut least, mut repeated) = (0, u64::MAX, false);
-    for (i, &p) in ring.iter().enumerate() {
-        let key = key(p);
-        if key < least {
-            (at, least, repeated) = (i, key, false);
-        } else {
-            repeated |= key == least;
+pub(super) fn start(ring: &[Point2]) -> usize {
+    // Two simple passes are quicker than one that compares whole points.
+    let x = ring.iter().fold(i32::MAX, |x, p| x.min(p.x));
+    let (mut at, mut y, mut repeated) = (0, i64::MAX, false);
+    for (i, p) in ring.iter().enumerate() {
+        if p.x == x {
+            let own = i64::from(p.y);
+            repeated = own == y || repeated && own > y;
+            if own < y {
+                (at, y) = (i, own);
+            }
         }
     }
     if repeated { least_rotation(ring) } else { at }

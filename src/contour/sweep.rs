@@ -1,9 +1,8 @@
 //! A run of planes, one after the other: which triangles the plane meets, and the walk through them.
 
 use super::finish::Finish;
+use super::surface::{Crossing, Surface};
 use crate::lattice::{Point2, Point3};
-use crate::mesh::{Adjacency, Mesh};
-use crate::slice::crossing::down_up;
 use std::ops::Range;
 
 /// The planes that a triangle meets, `first..end`, not empty.
@@ -16,10 +15,7 @@ pub(super) struct Span {
 
 /// The state of a sweep over a run of planes.
 pub(super) struct Sweep<'a> {
-    vertices: &'a [Point3],
-    /// Vertex of each half-edge's corner.
-    corners: &'a [u32],
-    twin: &'a [u32],
+    surface: Surface<'a>,
     planes: &'a [i32],
     run: Range<usize>,
     /// Triangles by the plane where they begin, and by that where they end.
@@ -36,19 +32,16 @@ pub(super) struct Sweep<'a> {
 impl<'a> Sweep<'a> {
     /// `lists` hold the spans that meet the run, and maybe others.
     pub(super) fn new(
-        mesh: &'a Mesh,
-        adjacency: &'a Adjacency,
+        surface: Surface<'a>,
         planes: &'a [i32],
         lists: &[Vec<Span>],
         run: Range<usize>,
     ) -> Self {
         let (from, to) = (run.start as u32, run.end as u32);
         let spans = || lists.iter().flatten().filter(|s| s.first < to && s.end > from);
-        let words = mesh.triangles.len().div_ceil(64);
+        let words = (surface.corners.len() / 3).div_ceil(64);
         Self {
-            vertices: &mesh.vertices,
-            corners: mesh.triangles.as_flattened(),
-            twin: &adjacency.twin,
+            surface,
             planes,
             begin: Buckets::new(run.len(), || spans().map(|s| (s.first.max(from) - from, s.triangle))),
             end: Buckets::new(run.len(), || {
@@ -98,9 +91,9 @@ impl<'a> Sweep<'a> {
         let mut sum = 0;
         for &t in self.begin.of(here) {
             let edge = 3 * t as usize;
-            sum ^= self.twin[edge];
-            for &vertex in &self.corners[edge..edge + 3] {
-                sum ^= self.vertices[vertex as usize].x as u32;
+            sum ^= self.surface.twin[edge];
+            for &vertex in &self.surface.corners[edge..edge + 3] {
+                sum ^= self.surface.vertices[vertex as usize].x as u32;
             }
         }
         std::hint::black_box(sum);
@@ -108,26 +101,13 @@ impl<'a> Sweep<'a> {
 
     /// Follows the contour through triangle `start` around, or to both of its ends.
     fn walk(&mut self, start: usize, z: i32, finish: &mut Finish<'_>) {
-        let corner = |i: usize| self.vertices[self.corners[3 * start + i] as usize];
-        let corners = [corner(0), corner(1), corner(2)];
-        let (down, _) = down_up([corners[0].z, corners[1].z, corners[2].z], z);
-        let first = Crossing { edge: 3 * start + down, below: corners[(down + 1) % 3], above: corners[down] };
+        let surface = self.surface;
+        let first = surface.entry(start, z);
         let (mut at, mut t) = (first, start);
         loop {
             self.todo[t / 64] &= !(1 << (t % 64));
             finish.point(point(at.below, at.above, z));
-            // Behind the third corner lies the up edge: on its far side if it is above, on its near
-            // side if it is below.
-            let far = previous(at.edge);
-            let third = self.vertices[self.corners[far] as usize];
-            let up = if third.z >= z {
-                at.above = third;
-                following(at.edge)
-            } else {
-                at.below = third;
-                far
-            };
-            at.edge = self.twin[up] as usize;
+            surface.forward(&mut at, z);
             t = at.edge / 3;
             let unwalked = self.todo.get(t / 64).is_some_and(|word| word >> (t % 64) & 1 == 1);
             if !unwalked {
@@ -135,7 +115,8 @@ impl<'a> Sweep<'a> {
             }
         }
         if t == start {
-            return finish.close();
+            finish.close();
+            return;
         }
         finish.point(point(at.below, at.above, z));
         self.walk_back(first, z);
@@ -147,43 +128,17 @@ impl<'a> Sweep<'a> {
         self.before.clear();
         let mut at = first;
         loop {
-            at.edge = self.twin[at.edge] as usize;
+            at.edge = self.surface.twin[at.edge] as usize;
             let t = at.edge / 3;
             let unwalked = self.todo.get(t / 64).is_some_and(|word| word >> (t % 64) & 1 == 1);
             if !unwalked {
                 break;
             }
             self.todo[t / 64] &= !(1 << (t % 64));
-            let far = previous(at.edge);
-            let third = self.vertices[self.corners[far] as usize];
-            if third.z >= z {
-                at.above = third;
-                at.edge = far;
-            } else {
-                at.below = third;
-                at.edge = following(at.edge);
-            }
+            self.surface.backward(&mut at, z);
             self.before.push(point(at.below, at.above, z));
         }
     }
-}
-
-/// An edge that the plane crosses: a half-edge of it and its two vertices.
-#[derive(Clone, Copy)]
-struct Crossing {
-    edge: usize,
-    below: Point3,
-    above: Point3,
-}
-
-/// The next half-edge around a triangle.
-fn following(edge: usize) -> usize {
-    if edge % 3 == 2 { edge - 2 } else { edge + 1 }
-}
-
-/// The one before.
-fn previous(edge: usize) -> usize {
-    if edge.is_multiple_of(3) { edge + 2 } else { edge - 1 }
 }
 
 /// 2^52, the least float whose neighbours are whole numbers, and its bits.
@@ -211,14 +166,14 @@ fn point(below: Point3, above: Point3, z: i32) -> Point2 {
 }
 
 /// Triangles sorted by a plane of the run.
-struct Buckets {
+pub(super) struct Buckets {
     base: Vec<u32>,
     triangles: Vec<u32>,
 }
 
 impl Buckets {
     /// Counting sort of (plane, triangle) pairs, each plane below `planes`.
-    fn new<I: Iterator<Item = (u32, u32)>>(planes: usize, pairs: impl Fn() -> I) -> Self {
+    pub(super) fn new<I: Iterator<Item = (u32, u32)>>(planes: usize, pairs: impl Fn() -> I) -> Self {
         let mut base = vec![0u32; planes + 2];
         for (plane, _) in pairs() {
             base[plane as usize + 2] += 1;
@@ -235,8 +190,19 @@ impl Buckets {
         Self { base, triangles }
     }
 
-    fn of(&self, plane: usize) -> &[u32] {
-        &self.triangles[self.base[plane] as usize..self.base[plane + 1] as usize]
+    /// Those of a plane.
+    pub(super) fn of(&self, plane: usize) -> &[u32] {
+        &self.triangles[self.range(plane)]
+    }
+
+    /// Where those of a plane are.
+    pub(super) fn range(&self, plane: usize) -> Range<usize> {
+        self.base[plane] as usize..self.base[plane + 1] as usize
+    }
+
+    /// One of them.
+    pub(super) fn triangle(&self, at: usize) -> u32 {
+        self.triangles[at]
     }
 }
 

@@ -8,6 +8,8 @@
 use super::Ring;
 use super::chains::OpenReport;
 use super::finish::Finish;
+use super::front::Front;
+use super::surface::Surface;
 use super::sweep::{Span, Sweep};
 use crate::lattice::nm;
 use crate::mesh::{Adjacency, Mesh};
@@ -104,8 +106,29 @@ pub fn trace(
     check(mesh, adjacency, planes)?;
     let threads = rayon::current_num_threads();
     let spans = spans(mesh, planes, threads)?;
-    let runs = runs(&per_plane(&spans, planes.len()), threads, options.memory_budget);
-    Ok(trace_runs(mesh, adjacency, planes, options, spans, &runs))
+    let per_plane = per_plane(&spans, planes.len());
+    let runs = runs(&per_plane, threads, options.memory_budget);
+    let route = Route::of(spans.iter().map(Vec::len).sum(), per_plane.iter().sum());
+    Ok(trace_runs(mesh, adjacency, planes, options, spans, &runs, route))
+}
+
+/// The ways from a run of planes to its contours. They give the same points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Route {
+    /// Every plane from its set of triangles: [`Sweep`].
+    Sweep,
+    /// Contours kept from plane to plane: [`Front`].
+    Front,
+}
+
+impl Route {
+    #[cfg(test)]
+    pub(super) const ALL: [Self; 2] = [Self::Sweep, Self::Front];
+
+    /// The quicker one for a number of triangles that meet planes, and of segments.
+    fn of(triangles: usize, segments: u64) -> Self {
+        if segments >= 3 * triangles as u64 { Self::Front } else { Self::Sweep }
+    }
 }
 
 fn check(mesh: &Mesh, adjacency: &Adjacency, planes: &[i32]) -> Result<(), TraceError> {
@@ -126,7 +149,7 @@ fn check(mesh: &Mesh, adjacency: &Adjacency, planes: &[i32]) -> Result<(), Trace
 }
 
 /// The planes that each triangle meets, for those that meet any, in blocks of consecutive triangles.
-fn spans(mesh: &Mesh, planes: &[i32], threads: usize) -> Result<Vec<Vec<Span>>, TraceError> {
+pub(super) fn spans(mesh: &Mesh, planes: &[i32], threads: usize) -> Result<Vec<Vec<Span>>, TraceError> {
     // How many planes lie at or below each vertex: half the searches that triangles would need.
     let search = PlaneSearch::new(planes);
     let level: Vec<u32> =
@@ -231,23 +254,36 @@ fn runs(per_plane: &[u64], threads: usize, memory_budget: u64) -> Vec<Range<usiz
 }
 
 /// [`trace`] for given runs, which cover all planes in order.
-fn trace_runs(
+pub(super) fn trace_runs(
     mesh: &Mesh,
     adjacency: &Adjacency,
     planes: &[i32],
     options: &TraceOptions,
     spans: Vec<Vec<Span>>,
     runs: &[Range<usize>],
+    route: Route,
 ) -> Vec<LayerContours> {
+    let surface = Surface::new(mesh, adjacency);
     let trace_run = |lists: &[Vec<Span>], run: &Range<usize>| {
-        let mut sweep = Sweep::new(mesh, adjacency, planes, lists, run.clone());
         let mut finish = Finish::new(options);
-        run.clone()
-            .map(|k| {
-                sweep.plane(k, &mut finish);
-                finish.layer()
-            })
-            .collect::<Vec<_>>()
+        let mut layers = Vec::with_capacity(run.len());
+        match route {
+            Route::Sweep => {
+                let mut sweep = Sweep::new(surface, planes, lists, run.clone());
+                for k in run.clone() {
+                    sweep.plane(k, &mut finish);
+                    layers.push(finish.layer());
+                }
+            }
+            Route::Front => {
+                let mut front = Front::new(surface, planes, lists, run.clone());
+                for k in run.clone() {
+                    front.plane(k, &mut finish);
+                    layers.push(finish.layer());
+                }
+            }
+        }
+        layers
     };
     if let [run] = runs {
         return trace_run(&spans, run);

@@ -132,7 +132,8 @@ impl Plane {
             finish.point(self.start[place]);
             let next = self.next[place] as usize;
             if next == from {
-                return finish.close();
+                finish.close();
+                return;
             }
             if self.taken.get(next).is_none_or(|&taken| taken) {
                 if let Some(end) = end(place) {
