@@ -1,4 +1,5 @@
-// Per triangle the first plane that it meets and how many it meets.
+// Per triangle the first plane that it meets and how many it meets. `first` and `count` are those of
+// the whole mesh.
 // Twin: slice::cpu::count.
 
 @group(0) @binding(4) var<storage, read_write> first: array<u32>;
@@ -42,14 +43,15 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let t = item_index(group, groups, lane);
-    if t >= sizes.triangles {
+    let item = item_index(group, groups, lane);
+    if item >= sizes.triangles {
         return;
     }
+    let t = sizes.begin + item;
     let a = height(3u * t);
     let b = height(3u * t + 1u);
     let c = height(3u * t + 2u);
     let begin = planes_up_to(min(a, min(b, c)), 0u, sizes.planes);
-    first[t] = begin;
-    count[t] = planes_up_to_nearby(max(a, max(b, c)), begin) - begin;
+    first[sizes.piece + t] = begin;
+    count[sizes.piece + t] = planes_up_to_nearby(max(a, max(b, c)), begin) - begin;
 }

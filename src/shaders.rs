@@ -37,10 +37,18 @@ pub struct Kernel {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct SliceSizes {
-    /// Triangles in the mesh.
+    /// Triangles of the dispatch.
     pub triangles: u32,
     /// Planes in the run.
     pub planes: u32,
+    /// Number, in the whole mesh, of the first triangle of the piece that is bound.
+    pub piece: u32,
+    /// The dispatch's first triangle, counted from the piece's first.
+    pub begin: u32,
+    /// Slot, in the whole run, of the dispatch's first segment.
+    pub slot: u32,
+    /// Segments of the dispatch.
+    pub segments: u32,
     /// Zero; uniforms are padded to 16 bytes.
     pub padding: [u32; 2],
 }
@@ -99,30 +107,46 @@ pub const SLICE_COUNT: Kernel = Kernel {
     ],
 };
 
-/// Start and successor of each segment. Bindings: sizes, vertices, triangles, planes, twin, first,
-/// offset, start, next.
+/// Start and successor of each segment, an invocation per triangle. Bindings: sizes, vertices,
+/// triangles, planes, twin, first, offset, start, next.
 pub const SLICE_EMIT: Kernel = Kernel {
     name: "slice_emit",
     wgsl: concat!(
         include_str!("../shaders/shared/grid.wgsl"),
         include_str!("../shaders/shared/wide.wgsl"),
         include_str!("../shaders/shared/slice.wgsl"),
+        include_str!("../shaders/shared/emit.wgsl"),
         include_str!("../shaders/slice_emit.wgsl")
     ),
-    bindings: &[
-        Binding::Uniform,
-        Binding::Read,
-        Binding::Read,
-        Binding::Read,
-        Binding::Read,
-        Binding::Read,
-        Binding::Read,
-        Binding::Write,
-        Binding::Write,
-    ],
+    bindings: EMIT_BINDINGS,
 };
+
+/// The same as [`SLICE_EMIT`], an invocation per segment.
+pub const SLICE_EMIT_EVEN: Kernel = Kernel {
+    name: "slice_emit_even",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/wide.wgsl"),
+        include_str!("../shaders/shared/slice.wgsl"),
+        include_str!("../shaders/shared/emit.wgsl"),
+        include_str!("../shaders/slice_emit_even.wgsl")
+    ),
+    bindings: EMIT_BINDINGS,
+};
+
+const EMIT_BINDINGS: &[Binding] = &[
+    Binding::Uniform,
+    Binding::Read,
+    Binding::Read,
+    Binding::Read,
+    Binding::Read,
+    Binding::Read,
+    Binding::Read,
+    Binding::Write,
+    Binding::Write,
+];
 
 /// Every kernel of the crate.
 pub const fn sources() -> &'static [Kernel] {
-    &[SCAN_BLOCK, SCAN_ADD, SLICE_COUNT, SLICE_EMIT]
+    &[SCAN_BLOCK, SCAN_ADD, SLICE_COUNT, SLICE_EMIT, SLICE_EMIT_EVEN]
 }

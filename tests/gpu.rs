@@ -5,6 +5,8 @@
 
 #[path = "gpu/compare.rs"]
 mod compare;
+#[path = "gpu/faults.rs"]
+mod faults;
 #[path = "gpu/files.rs"]
 mod files;
 #[path = "kernels/mod.rs"]
@@ -56,12 +58,17 @@ impl Bench {
 type Test = (&'static str, fn(&Bench) -> Result<(), Failed>);
 
 fn main() -> ExitCode {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: no other thread exists yet. Without it Mesa complains for every device opened.
+        unsafe { std::env::set_var("XDG_RUNTIME_DIR", "/nonexistent") };
+    }
     let arguments = Arguments::from_args();
     let asked = std::env::var("MICROTOME_ADAPTER").ok();
     // An empty part matches every name: software devices are welcome here.
     let found = choose(&Selection::Named(asked.clone().unwrap_or_default()));
     let required = asked.is_some() || std::env::var("MICROTOME_REQUIRE_GPU").is_ok_and(|v| v == "1");
-    let tests: Vec<Test> = [scan::TESTS, wide::TESTS, slice::TESTS, limits::TESTS, files::TESTS].concat();
+    let tests: Vec<Test> =
+        [scan::TESTS, wide::TESTS, slice::TESTS, limits::TESTS, faults::TESTS, files::TESTS].concat();
     let trials = match found {
         Ok(adapter) => {
             let on = adapter.info.name.clone();

@@ -29,7 +29,9 @@ fn layout_of(kernel: &Kernel) -> Layout {
     match kernel.name {
         "scan_block" => layout!(ScanSizes, input, output),
         "scan_add" => layout!(AddSizes, sums),
-        "slice_count" | "slice_emit" => layout!(SliceSizes, triangles, planes),
+        "slice_count" | "slice_emit" | "slice_emit_even" => {
+            layout!(SliceSizes, triangles, planes, piece, begin, slot, segments)
+        }
         other => panic!("state the uniform of {other} here"),
     }
 }
@@ -135,7 +137,7 @@ fn every_file_is_part_of_a_kernel() {
             }
         }
     }
-    assert_eq!(files, sources().len() + 3);
+    assert_eq!(files, sources().len() + 4);
 }
 
 #[test]

@@ -45,7 +45,7 @@ pub fn run(args: &DemoArgs) -> Result<(), CliError> {
     let on = |backend, adapter: Option<String>| FilamentJob {
         settings: &settings,
         placement: Placement::DropAndCentre,
-        backend: BackendOptions { backend, adapter },
+        backend: BackendOptions::new(backend, adapter, None),
         stem: "demo".to_owned(),
         date: super::source_date_epoch(),
     };

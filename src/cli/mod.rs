@@ -34,6 +34,8 @@ enum Command {
 
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {
+    #[cfg(all(feature = "gpu", target_os = "linux"))]
+    hush_wayland();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(e) => {
@@ -59,6 +61,18 @@ pub fn main() -> ExitCode {
             ));
             ExitCode::from(1)
         }
+    }
+}
+
+/// Keeps the driver's look for a Wayland display from complaining on stderr where there is no session, as
+/// on a server: it wants an absolute path, and finds nothing there.
+#[cfg(all(feature = "gpu", target_os = "linux"))]
+fn hush_wayland() {
+    const NAME: &str = "XDG_RUNTIME_DIR";
+    if std::env::var_os(NAME).is_none() {
+        // SAFETY: `main` calls this before anything else, so that no other thread reads the environment. A
+        // folder that nobody can make, unlike one in the temporary folder, holds nobody's socket.
+        unsafe { std::env::set_var(NAME, "/nonexistent") };
     }
 }
 

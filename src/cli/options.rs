@@ -23,6 +23,9 @@ pub struct RunArgs {
     /// Part of the name of the GPU to use (see `microtome devices`); a software device is used only when named here
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
+    /// Memory that slicing may take, in bytes or with K, M, G or T, as in 512M or 1.5G; less memory means more runs of layers, never another result [default: a quarter of the machine's, on a GPU at most half of its largest buffer]
+    #[arg(long, value_name = "SIZE", value_parser = memory_size)]
+    pub memory: Option<u64>,
     /// Number of CPU threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
@@ -42,7 +45,7 @@ impl RunArgs {
             BackendArg::Cpu => Backend::Cpu,
             BackendArg::Gpu => Backend::Gpu,
         };
-        BackendOptions { backend, adapter: self.adapter.clone() }
+        BackendOptions::new(backend, self.adapter.clone(), self.memory)
     }
 
     /// Sets the number of worker threads of the process; to be called once, before any work.
@@ -50,6 +53,55 @@ impl RunArgs {
         if let Some(n) = self.threads {
             // Fails only when the pool exists already, which a command never lets happen.
             drop(rayon::ThreadPoolBuilder::new().num_threads(n.into()).build_global());
+        }
+    }
+}
+
+/// The smallest memory that can be asked for \[bytes\].
+const LEAST_MEMORY: u64 = 1 << 20;
+
+/// A number of bytes, with a unit of 1024, 1024^2, ... bytes behind it.
+fn memory_size(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let bytes = text.trim_end_matches(['b', 'B']);
+    let bytes = bytes.strip_suffix(['i', 'I']).unwrap_or(bytes);
+    let units = [('k', 10), ('m', 20), ('g', 30), ('t', 40)];
+    let unit = |c: char| units.iter().find(|(unit, _)| *unit == c.to_ascii_lowercase());
+    let (number, shift) = match bytes.chars().last().and_then(unit) {
+        Some(&(_, shift)) => (&bytes[..bytes.len() - 1], shift),
+        None => (text, 0),
+    };
+    let number = number.trim();
+    let whole = number.bytes().all(|b| b.is_ascii_digit() || b == b'.');
+    let value = number.parse::<f64>().ok().filter(|_| whole);
+    let value = value.ok_or("expected a size such as 512M or 1.5G")? * (1u64 << shift) as f64;
+    if value < LEAST_MEMORY as f64 {
+        return Err("at least 1M is needed".to_owned());
+    }
+    // Saturates: more than 2^64 bytes is no limit at all.
+    Ok(value as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read() {
+        for (text, bytes) in [
+            ("512M", 512 << 20),
+            ("2G", 2 << 30),
+            ("1.5g", 3 << 29),
+            ("2048K", 2 << 20),
+            ("16777216", 16 << 20),
+            ("3 GiB", 3 << 30),
+            ("64MB", 64 << 20),
+            ("1T", 1 << 40),
+        ] {
+            assert_eq!(memory_size(text), Ok(bytes), "{text}");
+        }
+        for text in ["", "M", "-1G", "1e9", "12X", "1..5G", "0", "1023K", "nanG", "infG", "5 5G", "512MM"] {
+            assert!(memory_size(text).is_err(), "{text}");
         }
     }
 }

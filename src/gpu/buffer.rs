@@ -18,8 +18,8 @@ pub struct Buffer<T> {
     pub(super) staging: Staging,
 }
 
-/// Memory that wandered from an array to its [`super::dispatch::Readback`] and back.
-pub(super) type Staging = Arc<Mutex<Option<wgpu::Buffer>>>;
+/// Memory that wandered from an array to its [`super::dispatch::Readback`]s and back.
+pub(super) type Staging = Arc<Mutex<Vec<wgpu::Buffer>>>;
 
 impl<T: Pod> Buffer<T> {
     /// A zeroed array. `what` names it in errors.
@@ -78,9 +78,9 @@ impl<T: Pod> Buffer<T> {
         self.len == 0
     }
 
-    /// Bytes that the elements take.
-    pub(super) const fn byte_len(&self) -> u64 {
-        byte_len::<T>(self.len)
+    /// Bytes of device memory that it holds.
+    pub fn held(&self) -> u64 {
+        self.raw.size()
     }
 
     fn write(&self, device: &Device, data: &[T]) -> Result<(), GpuError> {

@@ -5,6 +5,7 @@ use super::error::GpuError;
 use super::kernel::Pipelines;
 use crate::shaders::GROUP_SIZE;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -13,6 +14,10 @@ const LARGEST_BINDING: u64 = (1 << 31) - 256;
 
 /// Storage buffers that the largest kernel sees.
 const STORAGE_BUFFERS: u32 = 8;
+
+/// Memory that the invocations of a workgroup share in the largest kernel \[bytes\]; half of what every
+/// WebGPU device offers.
+const WORKGROUP_MEMORY: u32 = 32 * GROUP_SIZE;
 
 /// How a device is opened. Tests lower the limits to reach the far side of each.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +28,30 @@ pub struct Options {
     pub largest_binding: u64,
     /// How long one submission may take before the device counts as hung.
     pub watchdog: Duration,
+    /// A failure to play.
+    pub fault: Option<Fault>,
+}
+
+/// A failure that an open device plays, for trying out what its callers do then.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// The submission that fails, counted from 0.
+    pub submission: u32,
+    /// How it fails.
+    pub kind: FaultKind,
+}
+
+/// How a device fails.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaultKind {
+    /// It never finishes.
+    Timeout,
+    /// It is gone, as if it had been unplugged.
+    Lost,
+    /// It has no memory left.
+    OutOfMemory,
+    /// The driver refuses a call.
+    Validation,
 }
 
 impl Default for Options {
@@ -32,6 +61,7 @@ impl Default for Options {
             largest_binding: LARGEST_BINDING,
             // A software device may compute for long; nothing takes minutes.
             watchdog: Duration::from_secs(300),
+            fault: None,
         }
     }
 }
@@ -54,6 +84,11 @@ pub struct Device {
     limits: Limits,
     watchdog: Duration,
     fault: Arc<Mutex<Option<GpuError>>>,
+    planned: Option<Fault>,
+    submissions: AtomicU32,
+    hung: AtomicBool,
+    /// Small uniform buffers that wait for their next use.
+    pub(super) uniforms: Mutex<Vec<wgpu::Buffer>>,
 }
 
 impl Device {
@@ -99,8 +134,19 @@ impl Device {
         raw.on_uncaptured_error(Arc::new(move |error: wgpu::Error| keep(&slot, error.into())));
         let slot = Arc::clone(&fault);
         raw.set_device_lost_callback(move |_, reason| keep(&slot, GpuError::Lost(reason)));
-        let pipelines = Pipelines::default();
-        Ok(Self { raw, queue, pipelines, info, limits, watchdog: options.watchdog, fault })
+        Ok(Self {
+            raw,
+            queue,
+            pipelines: Pipelines::default(),
+            info,
+            limits,
+            watchdog: options.watchdog,
+            fault,
+            planned: options.fault,
+            submissions: AtomicU32::new(0),
+            hung: AtomicBool::new(false),
+            uniforms: Mutex::default(),
+        })
     }
 
     /// What is known of the device.
@@ -113,10 +159,54 @@ impl Device {
         self.limits
     }
 
+    /// The memory to take when nobody says \[bytes\]: half of the largest buffer that the driver would
+    /// give, and 512 MiB at least. No portable interface tells how much memory a device has.
+    pub fn default_budget(&self) -> u64 {
+        (self.info.limits.buffer / 2).max(512 << 20)
+    }
+
+    /// How long one submission may take.
+    pub(super) const fn watchdog(&self) -> Duration {
+        self.watchdog
+    }
+
+    /// Plays the planned failure when its submission is reached.
+    pub(super) fn inject(&self) -> Result<(), GpuError> {
+        let submission = self.submissions.fetch_add(1, Ordering::Relaxed);
+        match self.planned.filter(|planned| planned.submission == submission).map(|planned| planned.kind) {
+            None => Ok(()),
+            Some(FaultKind::Timeout) => {
+                self.hung.store(true, Ordering::Relaxed);
+                Ok(())
+            }
+            Some(FaultKind::Lost) => {
+                self.lose();
+                Ok(())
+            }
+            Some(FaultKind::OutOfMemory) => Err(GpuError::OutOfMemory("played".to_owned())),
+            Some(FaultKind::Validation) => {
+                // A use that no driver allows.
+                let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::STORAGE;
+                let descriptor =
+                    wgpu::BufferDescriptor { label: None, size: 16, usage, mapped_at_creation: false };
+                self.guarded(|| drop(self.raw.create_buffer(&descriptor)))
+            }
+        }
+    }
+
     /// Gives the device up: whatever is done with it from now on fails with [`GpuError::Lost`], as if it
     /// had been unplugged. For trying out what a caller does then.
     pub fn lose(&self) {
         self.raw.destroy();
+    }
+
+    /// Waits until everything written so far has arrived.
+    ///
+    /// # Errors
+    /// [`GpuError::Timeout`], [`GpuError::Lost`] and the like.
+    pub fn flush(&self) -> Result<(), GpuError> {
+        let index = self.guarded(|| self.queue.submit([]))?;
+        self.wait(index)
     }
 
     /// Runs calls to the driver and turns whatever they report into a result.
@@ -131,12 +221,7 @@ impl Device {
         let validation = pollster::block_on(validation.pop());
         self.fault()?;
         match memory.or(internal).or(validation) {
-            Some(error) => {
-                // On a lost device calls fail for strange reasons; the true one arrives with a poll.
-                self.poll(wgpu::PollType::Poll);
-                self.fault()?;
-                Err(error.into())
-            }
+            Some(error) => Err(self.cause(error.into())),
             None => Ok(result),
         }
     }
@@ -144,6 +229,9 @@ impl Device {
     /// Waits until a submission is done.
     pub(super) fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), GpuError> {
         self.fault()?;
+        if self.hung.load(Ordering::Relaxed) {
+            return Err(GpuError::Timeout { seconds: self.watchdog.as_secs() });
+        }
         let poll = wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(self.watchdog) };
         let polled = self.poll(poll);
         self.fault()?;
@@ -152,9 +240,16 @@ impl Device {
             Some(Err(wgpu::PollError::Timeout)) => {
                 Err(GpuError::Timeout { seconds: self.watchdog.as_secs() })
             }
-            Some(Err(error)) => Err(GpuError::Internal(error.to_string())),
+            Some(Err(error)) => Err(self.cause(GpuError::Internal(error.to_string()))),
             None => Err(GpuError::Lost("while waiting for it".to_owned())),
         }
+    }
+
+    /// What is behind an error: on a lost device calls fail for strange reasons, and the true one arrives
+    /// with a poll.
+    pub(super) fn cause(&self, error: GpuError) -> GpuError {
+        self.poll(wgpu::PollType::Poll);
+        self.fault().err().unwrap_or(error)
     }
 
     /// Lets wgpu deliver what has happened. `None` when the device was lost meanwhile: wgpu has no other
@@ -188,7 +283,7 @@ fn required(info: &AdapterInfo) -> Result<wgpu::Limits, GpuError> {
     limits.max_buffer_size = binding;
     limits.max_storage_buffer_binding_size = binding;
     limits.max_storage_buffers_per_shader_stage = STORAGE_BUFFERS;
-    limits.max_compute_workgroup_storage_size = 4 * GROUP_SIZE;
+    limits.max_compute_workgroup_storage_size = WORKGROUP_MEMORY;
     limits.max_compute_invocations_per_workgroup = GROUP_SIZE;
     limits.max_compute_workgroup_size_x = GROUP_SIZE;
     limits.max_compute_workgroup_size_y = 1;

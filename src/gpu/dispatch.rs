@@ -6,6 +6,7 @@ use super::{Device, GpuError};
 use crate::shaders::{GROUP_SIZE, Kernel};
 use bytemuck::Pod;
 use std::marker::PhantomData;
+use std::ops::Range;
 use std::sync::{PoisonError, mpsc};
 
 /// A one-dimensional row of workgroups folded into two dimensions.
@@ -44,7 +45,12 @@ pub struct Recording<'d> {
     device: &'d Device,
     encoder: wgpu::CommandEncoder,
     stamps: Option<Stamps>,
+    /// Uniforms of the dispatches, handed back for reuse once submitted.
+    uniforms: Vec<wgpu::Buffer>,
 }
+
+/// Bytes of every uniform buffer; no kernel's sizes take more.
+const UNIFORM: u64 = 64;
 
 /// Array contents on their way back to the host.
 pub struct Readback<T> {
@@ -69,7 +75,7 @@ impl<'d> Recording<'d> {
         let descriptor = wgpu::CommandEncoderDescriptor { label: None };
         let encoder = device.guarded(|| device.raw.create_command_encoder(&descriptor))?;
         let stamps = if timed { Stamps::new(device)? } else { None };
-        Ok(Self { device, encoder, stamps })
+        Ok(Self { device, encoder, stamps, uniforms: Vec::new() })
     }
 
     /// Runs a kernel over `items` invocations. `sizes` is its uniform, `arrays` its other bindings.
@@ -92,12 +98,22 @@ impl<'d> Recording<'d> {
         let device = self.device;
         let pipeline = device.pipeline(kernel)?;
         let bytes = bytemuck::bytes_of(sizes);
-        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
-        let uniform = allocate(device, "uniform", bytes.len() as u64, usage)?;
-        let Self { encoder, stamps, .. } = self;
+        let kept = device.uniforms.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let uniform = match kept {
+            Some(kept) => kept,
+            None => {
+                let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+                allocate(device, "uniform", UNIFORM, usage)?
+            }
+        };
+        // Held until the submission: a write happens when the next submission begins, so a uniform that
+        // two dispatches of one recording shared would show both of them the later value.
+        self.uniforms.push(uniform);
+        let Self { encoder, stamps, uniforms, .. } = self;
         device.guarded(|| {
-            device.queue.write_buffer(&uniform, 0, bytes);
-            let buffers = std::iter::once(&uniform).chain(arrays.iter().map(|array| array.raw()));
+            let uniform = uniforms.last();
+            uniform.iter().for_each(|uniform| device.queue.write_buffer(uniform, 0, bytes));
+            let buffers = uniform.into_iter().chain(arrays.iter().map(|array| array.raw()));
             let entries: Vec<_> = (0..)
                 .zip(buffers)
                 .map(|(binding, buffer)| wgpu::BindGroupEntry {
@@ -125,8 +141,33 @@ impl<'d> Recording<'d> {
     /// # Errors
     /// [`GpuError::OutOfMemory`] and the like.
     pub fn read_back<T: Pod>(&mut self, array: &Buffer<T>) -> Result<Readback<T>, GpuError> {
+        self.read_back_part(array, 0..array.len())
+    }
+
+    /// Copies a part of an array for the host to [`Readback::take`] later.
+    ///
+    /// # Errors
+    /// As [`Self::read_back`]; [`GpuError::Validation`] when the part is not inside the array.
+    pub fn read_back_part<T: Pod>(
+        &mut self,
+        array: &Buffer<T>,
+        part: Range<usize>,
+    ) -> Result<Readback<T>, GpuError> {
+        if part.end > array.len() {
+            return Err(GpuError::Validation(format!("{part:?} of {} elements read back", array.len())));
+        }
+        let size = size_of::<T>() as u64;
+        let bytes = part.start as u64 * size..part.end as u64 * size;
         let kept = Staging::clone(&array.staging);
-        Readback::record(self.device, &mut self.encoder, &array.raw, array.byte_len(), kept)
+        Readback::record(self.device, &mut self.encoder, &array.raw, bytes, kept)
+    }
+
+    /// Fills an array with zeros.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`] and the like.
+    pub fn clear<T: Pod>(&mut self, array: &Buffer<T>) -> Result<(), GpuError> {
+        self.device.guarded(|| self.encoder.clear_buffer(&array.raw, 0, None))
     }
 
     /// Hands the recording to the device.
@@ -134,17 +175,27 @@ impl<'d> Recording<'d> {
     /// # Errors
     /// Whatever the recording did wrong: [`GpuError::Validation`], [`GpuError::OutOfMemory`].
     pub fn submit(self) -> Result<Submission, GpuError> {
-        let Self { device, mut encoder, stamps } = self;
+        let Self { device, mut encoder, stamps, uniforms } = self;
         let times = match stamps {
             Some(stamps) => stamps.resolve(device, &mut encoder)?,
             None => None,
         };
         let index = device.guarded(|| device.queue.submit([encoder.finish()]))?;
+        device.uniforms.lock().unwrap_or_else(PoisonError::into_inner).extend(uniforms);
+        device.inject()?;
         Ok(Submission { index, times })
     }
 }
 
 impl Submission {
+    /// Waits until it is done.
+    ///
+    /// # Errors
+    /// [`GpuError::Timeout`], [`GpuError::Lost`] and the like.
+    pub fn wait(&self, device: &Device) -> Result<(), GpuError> {
+        device.wait(self.index.clone())
+    }
+
     /// What each kernel took, in the order of the dispatches; empty when nothing was timed, and
     /// when called again.
     ///
@@ -156,24 +207,31 @@ impl Submission {
 }
 
 impl<T: Pod> Readback<T> {
-    /// Records the copy of a buffer's first bytes.
+    /// Records the copy of a range of a buffer's bytes, both ends multiples of 4.
     pub(super) fn record(
         device: &Device,
         encoder: &mut wgpu::CommandEncoder,
         buffer: &wgpu::Buffer,
-        bytes: u64,
+        range: Range<u64>,
         home: Staging,
     ) -> Result<Self, GpuError> {
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        let kept = home.lock().unwrap_or_else(PoisonError::into_inner).take();
-        let staging = match kept.filter(|kept| kept.size() >= bytes) {
+        let bytes = range.end.saturating_sub(range.start);
+        let kept = {
+            let mut kept = home.lock().unwrap_or_else(PoisonError::into_inner);
+            let found = kept.iter().position(|kept| kept.size() >= bytes);
+            found.map(|i| kept.swap_remove(i)).or_else(|| {
+                // What is too small now would only pile up.
+                kept.clear();
+                None
+            })
+        };
+        let staging = match kept {
             Some(kept) => kept,
             None => allocate(device, "read-back", bytes, usage)?,
         };
-        // Copies go by four bytes; every allocation is a multiple of 16.
-        let copied = bytes.next_multiple_of(4);
-        if copied > 0 {
-            device.guarded(|| encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, copied))?;
+        if bytes > 0 {
+            device.guarded(|| encoder.copy_buffer_to_buffer(buffer, range.start, &staging, 0, bytes))?;
         }
         Ok(Self { staging, home, element: PhantomData, bytes })
     }
@@ -183,30 +241,46 @@ impl<T: Pod> Readback<T> {
     /// # Errors
     /// [`GpuError::Timeout`], [`GpuError::Lost`] and the like.
     pub fn take(self, device: &Device, submission: &Submission) -> Result<Vec<T>, GpuError> {
+        let mut data = Vec::new();
+        self.take_into(device, submission, &mut data)?;
+        Ok(data)
+    }
+
+    /// [`Self::take`], appended to what is there already.
+    ///
+    /// # Errors
+    /// As [`Self::take`].
+    pub fn take_into(
+        self,
+        device: &Device,
+        submission: &Submission,
+        data: &mut Vec<T>,
+    ) -> Result<(), GpuError> {
         if self.bytes == 0 {
-            return Ok(Vec::new());
+            return Ok(());
         }
-        let slice = self.staging.slice(..self.bytes.next_multiple_of(4));
+        let slice = self.staging.slice(..self.bytes);
         let (sender, receiver) = mpsc::channel();
         // The receiver may be gone when a device is lost; nobody waits for the answer then.
         device.guarded(|| slice.map_async(wgpu::MapMode::Read, move |result| drop(sender.send(result))))?;
         device.wait(submission.index.clone())?;
-        match receiver.try_recv() {
+        // Another thread's wait may have picked up this answer and be about to deliver it.
+        match receiver.recv_timeout(device.watchdog()) {
             Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(GpuError::Internal(error.to_string())),
+            Ok(Err(error)) => return Err(device.cause(GpuError::Internal(error.to_string()))),
             Err(_) => return Err(GpuError::Internal("a finished buffer was not mapped".to_owned())),
         }
         let view = slice.get_mapped_range().map_err(|e| GpuError::Internal(e.to_string()))?;
         let bytes = view.get(..self.bytes as usize).unwrap_or_default();
-        // Collected element by element because a mapped address need not be aligned for `T`.
-        let data = match bytemuck::try_cast_slice(bytes) {
-            Ok(aligned) => aligned.to_vec(),
-            Err(_) => bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect(),
-        };
+        // Collected element by element where the mapped address is not aligned for `T`.
+        match bytemuck::try_cast_slice(bytes) {
+            Ok(aligned) => data.extend_from_slice(aligned),
+            Err(_) => data.extend(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned::<T>)),
+        }
         drop(view);
         self.staging.unmap();
-        *self.home.lock().unwrap_or_else(PoisonError::into_inner) = Some(self.staging);
-        Ok(data)
+        self.home.lock().unwrap_or_else(PoisonError::into_inner).push(self.staging);
+        Ok(())
     }
 }
 

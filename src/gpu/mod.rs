@@ -14,5 +14,5 @@ pub mod timing;
 
 pub use adapter::{AdapterInfo, Selection, adapters, choose};
 pub use buffer::Buffer;
-pub use device::{Device, Options};
+pub use device::{Device, Fault, FaultKind, Options};
 pub use error::GpuError;

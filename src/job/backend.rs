@@ -1,12 +1,17 @@
 //! Which device intersects planes and triangles, and doing it there.
 
 use super::JobError;
+use super::memory;
 use super::summary::BackendSummary;
 use crate::contour::{LayerContours, TraceOptions};
 #[cfg(feature = "gpu")]
-use crate::gpu;
+use crate::gpu::{self, Device, GpuError};
 use crate::mesh::{Adjacency, Mesh};
+#[cfg(feature = "gpu")]
+use crate::slice::gpu::GpuSlicer;
 use crate::{contour, slice};
+#[cfg(feature = "gpu")]
+use std::ops::Range;
 
 /// Where planes and triangles are intersected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,6 +32,26 @@ pub struct BackendOptions {
     pub backend: Backend,
     /// Part of the name of the device; allows software devices.
     pub adapter: Option<String>,
+    /// Memory that slicing may take beside the mesh at the host, and with it on a device \[bytes\]; `None`
+    /// takes [`memory::default_budget`].
+    pub memory: Option<u64>,
+    /// A failure that the device plays, for trying out what follows from it.
+    #[doc(hidden)]
+    #[cfg(feature = "gpu")]
+    pub fault: Option<gpu::Fault>,
+}
+
+impl BackendOptions {
+    /// A wish without planned failures; see the fields.
+    pub const fn new(backend: Backend, adapter: Option<String>, memory: Option<u64>) -> Self {
+        Self {
+            backend,
+            adapter,
+            memory,
+            #[cfg(feature = "gpu")]
+            fault: None,
+        }
+    }
 }
 
 /// The contours of all planes, and what found them.
@@ -47,8 +72,9 @@ pub struct Traced {
 /// The result does not depend on the device.
 ///
 /// # Errors
-/// [`JobError::Device`] when a GPU was demanded and is missing or fails; with [`Backend::Auto`] a
-/// failing GPU is replaced by the CPU and a warning.
+/// [`JobError::Device`] when a GPU was demanded with [`Backend::Gpu`] and is missing or fails, or when no
+/// device has the name wished for. With [`Backend::Auto`] a GPU that fails is replaced by the CPU from the
+/// planes in hand on, with one warning.
 pub fn contours(
     mesh: &Mesh,
     adjacency: &Adjacency,
@@ -58,26 +84,19 @@ pub fn contours(
 ) -> Result<Traced, JobError> {
     let per_plane = slice::chunk::segments_per_plane(mesh, planes);
     let segments = per_plane.iter().sum();
-    let cpu = |reason: &str, warning: Option<String>| {
-        Ok(Traced {
-            layers: contour::trace(mesh, adjacency, planes, options)?,
-            segments,
-            backend: BackendSummary {
-                kind: "cpu",
-                adapter: None,
-                reason: reason.to_owned(),
-                threads: rayon::current_num_threads(),
-            },
-            warning,
-        })
+    let budget = wish.memory.unwrap_or_else(memory::default_budget);
+    let options = &TraceOptions { memory_budget: budget, ..options.clone() };
+    let cpu = |reason: &str| {
+        let layers = contour::trace(mesh, adjacency, planes, options)?;
+        Ok(Traced { layers, segments, backend: summary("cpu", None, reason), warning: None })
     };
     if wish.backend == Backend::Cpu {
-        return cpu("--backend cpu", None);
+        return cpu("--backend cpu");
     }
     #[cfg(not(feature = "gpu"))]
     return match wish.backend {
         Backend::Gpu => Err(JobError::NoGpuSupport),
-        _ => cpu("built without GPU support", None),
+        _ => cpu("built without GPU support"),
     };
     #[cfg(feature = "gpu")]
     {
@@ -86,30 +105,54 @@ pub fn contours(
             && wish.adapter.is_none()
             && !slice::gpu::repays_startup(mesh.triangles.len() as u64, segments)
         {
-            return cpu("the work does not repay a GPU's start-up", None);
+            return cpu("the work does not repay a GPU's start-up");
         }
-        match on_gpu(mesh, adjacency, planes, &per_plane, wish, options) {
-            Ok((layers, adapter)) => Ok(Traced {
-                layers,
-                segments,
-                backend: BackendSummary {
-                    kind: "gpu",
-                    adapter: Some(adapter),
-                    reason: if wish.adapter.is_some() {
-                        "named with --adapter"
-                    } else {
-                        "the best hardware GPU"
-                    }
-                    .to_owned(),
-                    threads: rayon::current_num_threads(),
-                },
-                warning: None,
-            }),
-            Err(e) if wish.backend == Backend::Gpu || wish.adapter.is_some() => Err(e),
-            Err(JobError::Device(gpu::GpuError::NoHardware { .. })) => cpu("no hardware GPU was found", None),
-            Err(e) => cpu("the GPU failed", Some(format!("{e}; the CPU took over, with the same result"))),
+        let mut done = Done::default();
+        let failure = on_gpu(mesh, adjacency, planes, &per_plane, wish, options, &mut done).err();
+        let reason = if wish.adapter.is_some() { "named with --adapter" } else { "the best hardware GPU" };
+        let Some(failure) = failure else {
+            let backend = summary("gpu", done.adapter, reason);
+            return Ok(Traced { layers: done.layers, segments, backend, warning: None });
+        };
+        if wish.backend == Backend::Gpu || matches!(failure, GpuError::NoSuchAdapter { .. }) {
+            return Err(failure.into());
         }
+        if matches!(failure, GpuError::NoHardware { .. }) {
+            return cpu("no hardware GPU was found");
+        }
+        // What the device has delivered stays; the planes in hand and those after them are the CPU's.
+        let from = done.layers.len().min(planes.len());
+        let warning = if from == 0 {
+            format!("{failure}; the CPU took over, with the same result")
+        } else {
+            format!(
+                "{failure}; the CPU took over from layer {} of {}, with the same result",
+                from + 1,
+                planes.len()
+            )
+        };
+        let mut layers = done.layers;
+        layers.extend(contour::trace(mesh, adjacency, &planes[from..], options)?);
+        let backend = if from == 0 {
+            summary("cpu", None, "the GPU failed")
+        } else {
+            summary("gpu", done.adapter, "the GPU failed on the way; the CPU did the rest")
+        };
+        Ok(Traced { layers, segments, backend, warning: Some(warning) })
     }
+}
+
+fn summary(kind: &'static str, adapter: Option<String>, reason: &str) -> BackendSummary {
+    BackendSummary { kind, adapter, reason: reason.to_owned(), threads: rayon::current_num_threads() }
+}
+
+/// What a device has done so far.
+#[cfg(feature = "gpu")]
+#[derive(Default)]
+struct Done {
+    adapter: Option<String>,
+    /// The contours of the first planes.
+    layers: Vec<LayerContours>,
 }
 
 #[cfg(feature = "gpu")]
@@ -120,18 +163,39 @@ fn on_gpu(
     per_plane: &[u64],
     wish: &BackendOptions,
     options: &TraceOptions,
-) -> Result<(Vec<LayerContours>, String), JobError> {
+    done: &mut Done,
+) -> Result<(), GpuError> {
     let selection = wish.adapter.clone().map_or(gpu::Selection::Auto, gpu::Selection::Named);
-    let device = gpu::Device::open(&selection)?;
+    let device_options = gpu::Options { fault: wish.fault, ..gpu::Options::default() };
+    let device = Device::with_options(&gpu::choose(&selection)?, device_options)?;
     let info = device.info();
-    let name = format!("{} ({} {})", info.name, info.driver, info.driver_info);
-    let mut slicer = slice::gpu::GpuSlicer::new(device.into())?.with_budget(options.memory_budget);
-    let resident = slicer.upload(mesh, adjacency)?;
-    let mut layers = Vec::with_capacity(planes.len());
-    let runs = slice::chunk::runs(per_plane, slicer.max_segments());
-    slicer.slice_runs::<JobError>(&resident, planes, &runs, |run, segments| {
-        layers.extend(contour::contours_of(mesh, &planes[run], &segments, options));
-        Ok(())
-    })?;
-    Ok((layers, name))
+    done.adapter = Some(format!("{} ({} {})", info.name, info.driver, info.driver_info));
+    let budget = wish.memory.unwrap_or_else(|| options.memory_budget.min(device.default_budget()));
+    let mut slicer = GpuSlicer::new(device.into())?.with_budget(budget);
+    let mut work = || {
+        let resident = slicer.upload(mesh, adjacency)?;
+        let runs = runs(per_plane, slicer.max_segments_beside(&resident)?);
+        slicer.slice_runs(&resident, planes, &runs, |run, segments| {
+            done.layers.extend(contour::contours_of(mesh, &planes[run], &segments, options));
+            Ok(())
+        })
+    };
+    let result = work();
+    if matches!(result, Err(GpuError::Timeout { .. })) {
+        // To free a hung device would be to wait for it.
+        std::mem::forget(slicer);
+    }
+    result
+}
+
+/// Runs of planes within the limit, and several even where one would do: the device works on one while
+/// the host walks the one before.
+#[cfg(feature = "gpu")]
+fn runs(per_plane: &[u64], limit: u64) -> Vec<Range<usize>> {
+    /// Runs that overlap well.
+    const RUNS: u64 = 8;
+    /// Segments below which a run is not worth its own round trip.
+    const FEW: u64 = 1 << 18;
+    let total: u64 = per_plane.iter().sum();
+    slice::chunk::runs(per_plane, limit.min((total / RUNS).max(FEW)))
 }

@@ -3,6 +3,7 @@
 pub mod backend;
 pub mod error;
 pub mod filament;
+pub mod memory;
 mod gcode_text;
 pub mod output;
 pub mod part;

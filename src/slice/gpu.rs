@@ -1,39 +1,40 @@
 //! The slicing kernels on a device: the same segments as [`super::cpu`], bit for bit.
+//!
+//! A mesh goes to the device once and stays ([`GpuMesh`]); planes are sliced in runs, two of which are
+//! in flight, so that the device works on one while the host walks the other.
+
+mod flight;
+mod mesh;
+
+pub use mesh::GpuMesh;
 
 use super::Segments;
-use super::chunk::BYTES_PER_SEGMENT;
-use crate::gpu::dispatch::Recording;
-use crate::gpu::scan::{self, Scratch};
-use crate::gpu::timing::KernelTime;
-use crate::gpu::{Buffer, Device, GpuError};
-use crate::lattice::{Point2, Point3};
+use crate::gpu::timing::{CopyTimes, KernelTime};
+use crate::gpu::{Device, GpuError};
 use crate::mesh::{Adjacency, Mesh};
-use crate::shaders::{SCAN_ADD, SCAN_BLOCK, SLICE_COUNT, SLICE_EMIT, SliceSizes};
+use crate::shaders::{SCAN_ADD, SCAN_BLOCK, SLICE_COUNT, SLICE_EMIT, SLICE_EMIT_EVEN};
+use flight::{Flight, Pending, Times};
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::Instant;
 
-/// Device memory that the segments of one run may take unless said otherwise \[bytes\].
+/// Memory that a mesh and its runs may take unless said otherwise \[bytes\].
 pub const DEFAULT_BUDGET: u64 = 512 << 20;
 
-/// A device with the slicing kernels and the arrays that they reuse from run to run.
+/// Bytes per segment: 12 on the device and 12 where the host reads them, both for two runs in flight;
+/// then the host's own copy and the places of its walk.
+const BYTES_PER_SEGMENT: u64 = 2 * (12 + 12) + 12 + 8;
+
+/// Bytes per triangle beside the mesh: first plane, plane count and offset, for two runs in flight, two of
+/// them twice for the way back, and once more at the host.
+const BYTES_PER_TRIANGLE: u64 = 2 * (12 + 8) + 8;
+
+/// A device with the slicing kernels and the arrays that they reuse from run to run and from job to job.
 pub struct GpuSlicer {
     device: Arc<Device>,
     budget: u64,
-    times: Option<Vec<KernelTime>>,
-    planes: Buffer<i32>,
-    first: Buffer<u32>,
-    count: Buffer<u32>,
-    offset: Buffer<u32>,
-    start: Buffer<Point2>,
-    next: Buffer<u32>,
-    scratch: Scratch,
-}
-
-/// A mesh that stays on the device.
-pub struct GpuMesh {
-    vertices: Buffer<Point3>,
-    triangles: Buffer<[u32; 3]>,
-    twin: Buffer<u32>,
+    times: Option<Times>,
+    flights: [Flight; 2],
 }
 
 impl GpuSlicer {
@@ -42,38 +43,35 @@ impl GpuSlicer {
     /// # Errors
     /// [`GpuError::Validation`], [`GpuError::OutOfMemory`] and the like.
     pub fn new(device: Arc<Device>) -> Result<Self, GpuError> {
-        device.prepare(&[SLICE_COUNT, SCAN_BLOCK, SCAN_ADD, SLICE_EMIT])?;
-        Ok(Self {
-            budget: DEFAULT_BUDGET,
-            times: None,
-            planes: Buffer::zeroed(&device, "the planes", 0)?,
-            first: Buffer::zeroed(&device, "the first planes", 0)?,
-            count: Buffer::zeroed(&device, "the plane counts", 0)?,
-            offset: Buffer::zeroed(&device, "the segment offsets", 0)?,
-            start: Buffer::zeroed(&device, "the segment starts", 0)?,
-            next: Buffer::zeroed(&device, "the segment links", 0)?,
-            scratch: Scratch::default(),
-            device,
-        })
+        device.prepare(&[SLICE_COUNT, SCAN_BLOCK, SCAN_ADD, SLICE_EMIT, SLICE_EMIT_EVEN])?;
+        let flights = [Flight::new(&device)?, Flight::new(&device)?];
+        Ok(Self { budget: DEFAULT_BUDGET, times: None, flights, device })
     }
 
-    /// Sets the device memory that the segments of one run may take \[bytes\].
+    /// Sets the memory that a mesh and its runs may take \[bytes\], on the device and, where that is not the
+    /// same memory, at the host.
     #[must_use]
     pub const fn with_budget(mut self, bytes: u64) -> Self {
         self.budget = bytes;
         self
     }
 
-    /// Times every kernel from now on, where the device has a clock.
+    /// Times every kernel and every copy from now on, kernels where the device has a clock. Nothing
+    /// overlaps then.
     #[must_use]
     pub fn with_timing(mut self) -> Self {
-        self.times = Some(Vec::new());
+        self.times = Some(Times::default());
         self
     }
 
     /// What the kernels took since the last call.
     pub fn take_times(&mut self) -> Vec<KernelTime> {
-        self.times.as_mut().map(std::mem::take).unwrap_or_default()
+        self.times.as_mut().map(|times| std::mem::take(&mut times.kernels)).unwrap_or_default()
+    }
+
+    /// What the copies and the host's part took since the last call; zero without [`Self::with_timing`].
+    pub fn take_copy_times(&mut self) -> CopyTimes {
+        self.times.as_mut().map(|times| std::mem::take(&mut times.copies)).unwrap_or_default()
     }
 
     /// The device.
@@ -81,118 +79,78 @@ impl GpuSlicer {
         &self.device
     }
 
-    /// How many segments a run of planes may have; the limit for [`super::chunk::runs`].
+    /// How many segments a run of planes may have by the budget alone, beside a small mesh.
     pub fn max_segments(&self) -> u64 {
-        let one_binding = self.device.limits().binding / size_of::<Point2>() as u64;
-        // Each array exists twice for a while: where the kernel writes it and where the host reads it.
-        let budget = self.budget / (2 * BYTES_PER_SEGMENT);
-        one_binding.min(budget).min(u64::from(u32::MAX) - 1).max(1)
+        (self.budget / BYTES_PER_SEGMENT).min(u64::from(u32::MAX) - 1).max(1)
     }
 
-    /// Copies a mesh to the device.
+    /// How many segments a run of planes may have beside a mesh; the limit for [`super::chunk::runs`].
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] when one of its arrays exceeds a binding (128 MiB on the smallest devices:
-    /// 11.1 million triangles), [`GpuError::OutOfMemory`].
-    pub fn upload(&self, mesh: &Mesh, adjacency: &Adjacency) -> Result<GpuMesh, GpuError> {
-        let (edges, triangles) = (adjacency.twin.len(), mesh.triangles.len());
-        if edges != 3 * triangles {
-            let message = format!("{edges} half-edges for {triangles} triangles");
-            return Err(GpuError::Validation(message));
+    /// [`GpuError::TooLarge`] when the mesh leaves nothing of the budget.
+    pub fn max_segments_beside(&self, mesh: &GpuMesh) -> Result<u64, GpuError> {
+        let taken = mesh.bytes() + mesh.triangles() as u64 * BYTES_PER_TRIANGLE;
+        let left = self.budget.saturating_sub(taken);
+        if left < BYTES_PER_SEGMENT {
+            return Err(GpuError::TooLarge {
+                what: "the mesh within the memory budget",
+                unit: "bytes",
+                needs: taken + BYTES_PER_SEGMENT,
+                limit: self.budget,
+            });
         }
-        Ok(GpuMesh {
-            vertices: Buffer::upload(&self.device, "the mesh's vertices", &mesh.vertices)?,
-            triangles: Buffer::upload(&self.device, "the mesh's triangles", &mesh.triangles)?,
-            twin: Buffer::upload(&self.device, "the mesh's adjacency", &adjacency.twin)?,
-        })
+        Ok((left / BYTES_PER_SEGMENT).min(u64::from(u32::MAX) - 1))
+    }
+
+    /// Copies a mesh to the device, in pieces where one of its arrays exceeds a binding (128 MiB on the
+    /// smallest devices: 11.1 million triangles).
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] when the arrays of 4 bytes per triangle exceed a binding (33.5 million
+    /// triangles on the smallest devices), [`GpuError::OutOfMemory`].
+    pub fn upload(&mut self, mesh: &Mesh, adjacency: &Adjacency) -> Result<GpuMesh, GpuError> {
+        let mut resident = GpuMesh::empty();
+        self.upload_into(&mut resident, mesh, adjacency)?;
+        Ok(resident)
+    }
+
+    /// [`Self::upload`] into the memory of a mesh that is no longer needed.
+    ///
+    /// # Errors
+    /// As [`Self::upload`]; the old mesh is gone then too.
+    pub fn upload_into(
+        &mut self,
+        resident: &mut GpuMesh,
+        mesh: &Mesh,
+        adjacency: &Adjacency,
+    ) -> Result<(), GpuError> {
+        let begun = Instant::now();
+        resident.replace(&self.device, mesh, adjacency)?;
+        if let Some(times) = &mut self.times {
+            self.device.flush()?;
+            times.copies.uploaded += resident.bytes();
+            times.copies.upload += nanoseconds(begun);
+        }
+        Ok(())
     }
 
     /// Slices a mesh at one run of planes \[nm, mesh frame, ascending\].
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] when the run has more than [`Self::max_segments`]; a lost or hung device.
+    /// [`GpuError::TooLarge`] when the run has more than [`Self::max_segments_beside`] the mesh; a lost or
+    /// hung device.
     pub fn slice(&mut self, mesh: &GpuMesh, planes: &[i32]) -> Result<Segments, GpuError> {
-        let triangles = mesh.triangles.len() as u32;
-        let sizes = SliceSizes { triangles, planes: planes.len() as u32, padding: [0; 2] };
-        self.planes.replace(&self.device, planes)?;
-        let (first, offset) = self.count(mesh, &sizes)?;
-        // The true total, before anything is allocated for it.
-        let (total, limit) = (exact_total(&offset), self.max_segments());
-        if total > limit {
-            return Err(GpuError::TooLarge {
-                what: "a run of planes",
-                unit: "segments",
-                needs: total,
-                limit,
-            });
-        }
-        let (start, next) = self.emit(mesh, &sizes, total as usize)?;
-        Ok(Segments { first, offset, start, next })
-    }
-
-    /// First plane and first slot of every triangle, left on the device and brought back.
-    fn count(&mut self, mesh: &GpuMesh, sizes: &SliceSizes) -> Result<(Vec<u32>, Vec<u32>), GpuError> {
-        let (device, triangles) = (&*self.device, mesh.triangles.len());
-        self.first.resize(device, triangles)?;
-        self.count.resize(device, triangles)?;
-        self.offset.resize(device, triangles + 1)?;
-        let mut recording = Recording::new(device, self.times.is_some())?;
-        recording.dispatch(
-            &SLICE_COUNT,
-            sizes,
-            &[&mesh.vertices, &mesh.triangles, &self.planes, &self.first, &self.count],
-            triangles as u64,
-        )?;
-        scan::record(device, &mut recording, &mut self.scratch, &self.count, &self.offset)?;
-        let (first, offset) = (recording.read_back(&self.first)?, recording.read_back(&self.offset)?);
-        let mut submission = recording.submit()?;
-        let result = (first.take(device, &submission)?, offset.take(device, &submission)?);
-        if let Some(times) = &mut self.times {
-            times.extend(submission.times(device)?);
-        }
-        Ok(result)
-    }
-
-    /// Start and successor of every segment.
-    fn emit(
-        &mut self,
-        mesh: &GpuMesh,
-        sizes: &SliceSizes,
-        total: usize,
-    ) -> Result<(Vec<Point2>, Vec<u32>), GpuError> {
-        let device = &*self.device;
-        self.start.resize(device, total)?;
-        self.next.resize(device, total)?;
-        let mut recording = Recording::new(device, self.times.is_some())?;
-        recording.dispatch(
-            &SLICE_EMIT,
-            sizes,
-            &[
-                &mesh.vertices,
-                &mesh.triangles,
-                &self.planes,
-                &mesh.twin,
-                &self.first,
-                &self.offset,
-                &self.start,
-                &self.next,
-            ],
-            mesh.triangles.len() as u64,
-        )?;
-        let (start, next) = (recording.read_back(&self.start)?, recording.read_back(&self.next)?);
-        let mut submission = recording.submit()?;
-        let result = (start.take(device, &submission)?, next.take(device, &submission)?);
-        if let Some(times) = &mut self.times {
-            times.extend(submission.times(device)?);
-        }
-        Ok(result)
+        let pending = self.begin(0, mesh, planes)?;
+        self.finish(pending)
     }
 
     /// Slices run after run (see [`super::chunk::runs`]) and hands over each one's segments, whose plane
-    /// indices count from the run's beginning.
+    /// indices count from the run's beginning. While a run's segments are received, the device works on
+    /// the next run.
     ///
     /// # Errors
-    /// The first of [`Self::slice`] or of the receiver.
+    /// The first of [`Self::slice`] or of the receiver. All runs before the one that failed have been
+    /// handed over.
     pub fn slice_runs<E: From<GpuError>>(
         &mut self,
         mesh: &GpuMesh,
@@ -200,19 +158,43 @@ impl GpuSlicer {
         runs: &[Range<usize>],
         mut receive: impl FnMut(Range<usize>, Segments) -> Result<(), E>,
     ) -> Result<(), E> {
-        for run in runs {
-            let segments = self.slice(mesh, planes.get(run.clone()).unwrap_or_default())?;
-            receive(run.clone(), segments)?;
+        let mut ahead: Option<(Range<usize>, Pending)> = None;
+        let mut failed = None;
+        for (i, run) in runs.iter().enumerate() {
+            let begun = self.begin(i % 2, mesh, planes.get(run.clone()).unwrap_or_default());
+            let before = ahead.take();
+            match begun {
+                Ok(pending) => ahead = Some((run.clone(), pending)),
+                Err(error) => failed = Some(error),
+            }
+            if let Some((run, pending)) = before {
+                // The later run's failure need not be this one's; where it is, it shows here again.
+                let segments = self.finish(pending)?;
+                receive(run, segments)?;
+            }
+            if let Some(error) = failed {
+                return Err(error.into());
+            }
+        }
+        if let Some((run, pending)) = ahead {
+            let segments = self.finish(pending)?;
+            receive(run, segments)?;
         }
         Ok(())
     }
+
+    fn begin(&mut self, flight: usize, mesh: &GpuMesh, planes: &[i32]) -> Result<Pending, GpuError> {
+        let limit = self.max_segments_beside(mesh)?;
+        self.flights[flight % 2].begin(&self.device, mesh, planes, limit, &mut self.times)
+    }
+
+    fn finish(&mut self, pending: Pending) -> Result<Segments, GpuError> {
+        pending.finish(&self.device, &mut self.times)
+    }
 }
 
-/// The total that 32-bit offsets stand for, also when they have wrapped: one triangle has fewer than
-/// 2^32 segments, so an offset below its predecessor has wrapped exactly once more.
-fn exact_total(offset: &[u32]) -> u64 {
-    let wraps = offset.windows(2).filter(|pair| pair[1] < pair[0]).count() as u64;
-    (wraps << 32) + u64::from(offset.last().copied().unwrap_or(0))
+fn nanoseconds(since: Instant) -> u64 {
+    u64::try_from(since.elapsed().as_nanos()).unwrap_or(u64::MAX)
 }
 
 /// Whether a hardware device is likely to earn back what it costs to start, for automatic choice.
@@ -230,14 +212,6 @@ pub const fn repays_startup(triangles: u64, segments_estimate: u64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_exact_total_sees_every_wrap() {
-        assert_eq!(exact_total(&[0]), 0);
-        assert_eq!(exact_total(&[0, 3, 3, 7]), 7);
-        let most = u32::MAX;
-        assert_eq!(exact_total(&[0, most, most.wrapping_add(most), 2]), 2 * u64::from(u32::MAX) + 4);
-    }
 
     #[test]
     fn a_small_job_never_starts_a_device() {

@@ -6,6 +6,7 @@ use crate::meshes::planes;
 use crate::{Bench, Test};
 use libtest_mimic::Failed;
 use microtome::gpu::dispatch::Recording;
+use microtome::gpu::timing::CopyTimes;
 use microtome::gpu::{Buffer, GpuError, Options};
 use microtome::mesh::{Adjacency, shapes};
 use microtome::shaders::SCAN_ADD;
@@ -16,6 +17,7 @@ use std::time::Duration;
 
 pub const TESTS: &[Test] = &[
     ("what_exceeds_a_binding_is_refused", binding),
+    ("what_exceeds_the_budget_is_refused", budget),
     ("a_wrong_binding_is_an_error_and_the_device_survives", validation),
     ("a_hung_kernel_is_a_timeout", watchdog),
     ("a_lost_device_is_an_error", lost),
@@ -25,30 +27,53 @@ pub const TESTS: &[Test] = &[
 fn binding(bench: &Bench) -> Result<(), Failed> {
     let options = Options { largest_binding: 16_384, ..Options::default() };
     let mut slicer = GpuSlicer::new(bench.open(options)?)?;
-    ensure(slicer.max_segments() == 2_048, format!("{} segments", slicer.max_segments()))?;
-    // 12 bytes each: 1,365 triangles fit.
-    let mesh = shapes::fan(1_400);
+    // 4 bytes each, and one entry more: 4,095 triangles fit.
+    let mesh = shapes::fan(4_100);
     let refused = slicer.upload(&mesh, &Adjacency::build(&mesh));
     let message = refused.err().map(|e| e.to_string()).unwrap_or_default();
     ensure(
-        message.contains("the mesh's triangles: 16800 bytes, but the device takes at most 16384"),
+        message
+            .contains(&format!("{} bytes, but the device takes at most 16384", 4 * mesh.triangles.len() + 4)),
         message,
     )?;
+    // One triangle with more segments than a binding holds.
+    let mesh = shapes::cuboid([0.0; 3], [10.0, 10.0, 3.0]);
+    let resident = slicer.upload(&mesh, &Adjacency::build(&mesh))?;
+    let heights: Vec<i32> = (0..2_049).collect();
+    let refused = slicer.slice(&resident, &heights);
+    ensure(
+        matches!(refused, Err(GpuError::TooLarge { needs: 2_049, limit: 2_048, .. })),
+        format!("{refused:?}"),
+    )?;
+    slicer.slice(&resident, &heights[1..]).map(drop)?;
+    Ok(())
+}
 
+fn budget(bench: &Bench) -> Result<(), Failed> {
     let mesh = shapes::fan(1_200);
     let (links, heights) = (Adjacency::build(&mesh), planes(&mesh, 20));
+    let per_plane = chunk::segments_per_plane(&mesh, &heights);
+    let total = per_plane.iter().sum::<u64>();
+    let mut slicer = GpuSlicer::new(bench.plain()?)?.with_budget(400_000);
     let resident = slicer.upload(&mesh, &links)?;
+    let limit = slicer.max_segments_beside(&resident)?;
+    ensure(limit < total && limit < slicer.max_segments(), format!("{limit} of {total} segments"))?;
     let refused = slicer.slice(&resident, &heights);
-    let total = chunk::segments_per_plane(&mesh, &heights).iter().sum::<u64>();
     ensure(
-        matches!(refused, Err(GpuError::TooLarge { needs, limit: 2_048, .. }) if needs == total),
+        matches!(refused, Err(GpuError::TooLarge { needs, limit: l, .. }) if (needs, l) == (total, limit)),
         format!("{total} segments should be refused"),
     )?;
-    let runs = chunk::runs(&chunk::segments_per_plane(&mesh, &heights), slicer.max_segments());
-    ensure(runs.len() > 3, format!("{runs:?}"))?;
+    let runs = chunk::runs(&per_plane, limit);
+    ensure(runs.len() > 2, format!("{runs:?}"))?;
+    let mut met = Vec::new();
     slicer.slice_runs(&resident, &heights, &runs, |run, segments| {
+        met.push(run.clone());
         same_segments("run", &segments, &cpu::slice(&mesh, &links, &heights[run]))
-    })
+    })?;
+    ensure(met == runs, "runs come in order")?;
+    let mut slicer = slicer.with_budget(50_000);
+    let refused = slicer.slice(&resident, &heights);
+    ensure(matches!(refused, Err(GpuError::TooLarge { limit: 50_000, .. })), format!("{refused:?}"))
 }
 
 fn validation(bench: &Bench) -> Result<(), Failed> {
@@ -112,5 +137,8 @@ fn times(bench: &Bench) -> Result<(), Failed> {
     let all = ["slice_count", "scan_block", "scan_block", "scan_add", "slice_emit"];
     let expected = if slicer.device().info().timestamps { &all[..] } else { &[] };
     ensure(kernels == expected, format!("{kernels:?}"))?;
-    ensure(slicer.take_times().is_empty(), "times are handed over once")
+    ensure(slicer.take_times().is_empty(), "times are handed over once")?;
+    let copies = slicer.take_copy_times();
+    ensure(copies.uploaded > resident.bytes() && copies.fetched > 0, format!("{copies:?}"))?;
+    ensure(slicer.take_copy_times() == CopyTimes::default(), "and so are copies")
 }

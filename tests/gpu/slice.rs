@@ -8,7 +8,7 @@ use microtome::gpu::dispatch::Recording;
 use microtome::gpu::{Buffer, Device, GpuError, Options};
 use microtome::lattice::{LIMIT, Point2, Point3, mm};
 use microtome::mesh::{Adjacency, Mesh, OPEN, shapes};
-use microtome::shaders::{Kernel, SLICE_COUNT, SLICE_EMIT, SliceSizes};
+use microtome::shaders::{Kernel, SLICE_COUNT, SLICE_EMIT, SLICE_EMIT_EVEN, SliceSizes};
 use microtome::slice::gpu::GpuSlicer;
 use microtome::slice::{Segments, chunk, cpu};
 
@@ -21,6 +21,7 @@ pub const TESTS: &[Test] = &[
     ("slices_of_open_meshes_equal_the_twin", open),
     ("slices_of_nothing_are_empty", nothing),
     ("chunked_equals_unchunked", chunked),
+    ("pieces_of_a_mesh_equal_the_whole", pieces),
     ("a_planted_fault_is_seen", planted),
     ("a_drifted_kernel_is_seen", drifted),
 ];
@@ -28,7 +29,8 @@ pub const TESTS: &[Test] = &[
 const TOP: i32 = LIMIT - 1;
 
 fn sizes(mesh: &Mesh, planes: &[i32]) -> SliceSizes {
-    SliceSizes { triangles: mesh.triangles.len() as u32, planes: planes.len() as u32, padding: [0; 2] }
+    let (triangles, planes) = (mesh.triangles.len() as u32, planes.len() as u32);
+    SliceSizes { triangles, planes, ..SliceSizes::default() }
 }
 
 fn count(
@@ -72,7 +74,9 @@ fn emit(
     let mut recording = Recording::new(device, false)?;
     let arrays: [&dyn microtome::gpu::dispatch::Bind; 8] =
         [&vertices, &triangles, &heights, &twin, &firsts, &offsets, &start, &next];
-    recording.dispatch(kernel, &sizes(mesh, planes), &arrays, triangles.len() as u64)?;
+    let sizes = SliceSizes { segments: total as u32, ..sizes(mesh, planes) };
+    let items = if kernel.wgsl.contains("fn owner") { total } else { triangles.len() };
+    recording.dispatch(kernel, &sizes, &arrays, items as u64)?;
     let (start, next) = (recording.read_back(&start)?, recording.read_back(&next)?);
     let submission = recording.submit()?;
     Ok(Segments {
@@ -113,9 +117,11 @@ fn emit_equals_twin(bench: &Bench) -> Result<(), Failed> {
         for (planes_count, reach) in [(0, 40), (1, 40), (63, 40), (63, TOP)] {
             let mesh = soup(triangles, triangles as u64 + 9, reach);
             let (links, planes) = (Adjacency::build(&mesh), planes(&mesh, planes_count));
-            let segments = emit(&device, &SLICE_EMIT, &mesh, &links, &planes)?;
-            let what = format!("{triangles} × {planes_count}");
-            same_segments(&what, &segments, &cpu::slice(&mesh, &links, &planes))?;
+            for kernel in [SLICE_EMIT, SLICE_EMIT_EVEN] {
+                let segments = emit(&device, &kernel, &mesh, &links, &planes)?;
+                let what = format!("{}, {triangles} × {planes_count}", kernel.name);
+                same_segments(&what, &segments, &cpu::slice(&mesh, &links, &planes))?;
+            }
         }
     }
     Ok(())
@@ -130,8 +136,12 @@ fn fold(bench: &Bench) -> Result<(), Failed> {
         let (first, counts) = count(&device, &SLICE_COUNT, &mesh, &planes)?;
         same(&format!("first of {triangles}"), &first, &twin_first)?;
         same(&format!("count of {triangles}"), &counts, &twin_counts)?;
-        let segments = emit(&device, &SLICE_EMIT, &mesh, &links, &planes)?;
-        same_segments(&format!("{triangles}"), &segments, &cpu::slice(&mesh, &links, &planes))?;
+        for kernel in [SLICE_EMIT, SLICE_EMIT_EVEN] {
+            // Per segment the grid is full long before.
+            let few = if kernel.name == SLICE_EMIT.name { &planes[..] } else { &planes[..1] };
+            let segments = emit(&device, &kernel, &mesh, &links, few)?;
+            same_segments(&format!("{triangles}"), &segments, &cpu::slice(&mesh, &links, few))?;
+        }
     }
     let mesh = soup(2_305, 5, 1_000);
     let beyond = count(&device, &SLICE_COUNT, &mesh, &[0]);
@@ -244,6 +254,30 @@ fn chunked(bench: &Bench) -> Result<(), Failed> {
     Ok(())
 }
 
+/// Every limit that cuts a mesh or its segments into pieces gives the same buffers as none.
+fn pieces(bench: &Bench) -> Result<(), Failed> {
+    let mut open = shapes::torus(30.0, 11.0, 30, 30);
+    open.triangles.truncate(1_700);
+    let bodies = [("torus", open), ("soup", soup(900, 4, 1_000)), ("fan", shapes::fan(1_500))];
+    let mut seen = 0;
+    for binding in [7_200, 12_000, 30_000] {
+        let options = Options { largest_binding: binding, ..Options::default() };
+        let mut slicer = GpuSlicer::new(bench.open(options)?)?;
+        let mut resident = slicer.upload(&shapes::fan(50), &Adjacency::build(&shapes::fan(50)))?;
+        for (what, mesh) in &bodies {
+            let (links, heights) = (Adjacency::build(mesh), planes(mesh, 70));
+            slicer.upload_into(&mut resident, mesh, &links)?;
+            seen = seen.max(resident.pieces());
+            for heights in [&heights[..], &heights[..9]] {
+                let what = format!("{what}, {binding} B, {} planes", heights.len());
+                let device = slicer.slice(&resident, heights)?;
+                same_segments(&what, &device, &cpu::slice(mesh, &links, heights))?;
+            }
+        }
+    }
+    ensure(seen >= 3, format!("{seen} pieces"))
+}
+
 fn planted(bench: &Bench) -> Result<(), Failed> {
     let mut slicer = GpuSlicer::new(bench.plain()?)?;
     let mesh = shapes::torus(30.0, 11.0, 16, 16);
@@ -294,7 +328,7 @@ fn drifted(bench: &Bench) -> Result<(), Failed> {
         ("let above_b = b.z >= z", "let above_b = b.z > z"),
         ("let swap = a.z >= z", "let swap = a.z > z"),
         ("divisor >> 1u", "(divisor - 1u) >> 1u"),
-        ("(k - first[neighbour])", "(k - begin)"),
+        ("(k - first[neighbour])", "(k - first[t])"),
         ("upper >= lower", "upper < lower"),
     ];
     for (name, (old, new)) in ["emit 1", "emit 2", "emit 3", "emit 4", "emit 5"].into_iter().zip(slips) {
@@ -302,6 +336,17 @@ fn drifted(bench: &Bench) -> Result<(), Failed> {
         let segments = emit(&device, &kernel, &mesh, &links, &heights)?;
         let seen = segments != cpu::slice(&mesh, &links, &heights);
         ensure(seen, format!("'{new}' in slice_emit went unseen"))?;
+    }
+    let slips = [
+        ("offset[sizes.piece + middle] <= slot", "offset[sizes.piece + middle] < slot"),
+        ("(slot - offset[sizes.piece + t])", "(place - offset[sizes.piece + t] + 1u)"),
+        ("lane * (GROUP_SIZE - 1u)", "lane * (GROUP_SIZE - 9u)"),
+    ];
+    for (name, (old, new)) in ["even 1", "even 2", "even 3"].into_iter().zip(slips) {
+        let kernel = changed(&SLICE_EMIT_EVEN, name, old, new)?;
+        let segments = emit(&device, &kernel, &mesh, &links, &heights)?;
+        let seen = segments != cpu::slice(&mesh, &links, &heights);
+        ensure(seen, format!("'{new}' in slice_emit_even went unseen"))?;
     }
     // Slips in the digits show on long edges only.
     mesh = soup(500, 3, TOP);
