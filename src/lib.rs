@@ -22,4 +22,5 @@ pub mod path;
 pub mod gcode;
 pub mod picture;
 pub mod job;
+pub mod bench;
 pub mod cli;

@@ -1,6 +1,7 @@
 //! Exit codes: what a script can tell from them.
 
 use super::setting_flags::FlagError;
+use crate::bench::BenchError;
 use crate::job::JobError;
 use std::process::ExitCode;
 use thiserror::Error;
@@ -25,6 +26,9 @@ pub enum CliError {
     /// A job failed.
     #[error(transparent)]
     Job(#[from] JobError),
+    /// A benchmark failed, or its outputs differ.
+    #[error(transparent)]
+    Bench(#[from] BenchError),
     /// A device gave other bytes than the CPU.
     #[error(
         "{adapter} gave other bytes than the CPU; please report this with the output of `microtome devices`; use --backend cpu"
@@ -46,7 +50,9 @@ impl CliError {
             Self::Differs { .. } => 5,
             Self::Stdout(e) if e.kind() == std::io::ErrorKind::BrokenPipe => 0,
             Self::Stdout(_) => 6,
-            Self::Job(e) => match e {
+            Self::Bench(BenchError::Different { .. }) => 1,
+            Self::Bench(BenchError::Threads { .. }) => 2,
+            Self::Job(e) | Self::Bench(BenchError::Job(e)) => match e {
                 JobError::Mesh(_)
                 | JobError::Place { .. }
                 | JobError::Planes { .. }

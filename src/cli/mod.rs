@@ -1,5 +1,6 @@
 //! The command line.
 
+pub mod bench;
 pub mod demo;
 pub mod devices;
 pub mod exit;
@@ -30,6 +31,8 @@ enum Command {
     Demo(demo::DemoArgs),
     /// List the GPUs and say which one `--backend auto` would take, and why
     Devices(devices::DevicesArgs),
+    /// Time slicing stage by stage: the literature's algorithms, the CPU, GPUs; compare what they give
+    Bench(bench::BenchArgs),
 }
 
 /// Runs the program on the process's arguments.
@@ -81,6 +84,7 @@ fn run(command: &Command) -> Result<(), CliError> {
         Command::Slice(args) => slice::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Devices(args) => devices::run(args),
+        Command::Bench(args) => bench::run(args),
     }
 }
 
