@@ -21,5 +21,6 @@ pub mod support;
 pub mod path;
 pub mod gcode;
 pub mod picture;
+pub mod export;
 pub mod job;
 pub mod cli;

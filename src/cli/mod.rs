@@ -1,5 +1,6 @@
 //! The command line.
 
+pub mod contours;
 pub mod demo;
 pub mod devices;
 pub mod exit;
@@ -26,6 +27,8 @@ struct Cli {
 enum Command {
     /// Slice a model into G-code
     Slice(slice::SliceArgs),
+    /// Cut a model into contours: SVG, JSON, WKT, Common Layer Interface, or a folder of pictures
+    Contours(contours::ContoursArgs),
     /// Slice the built-in part into demo.gcode and demo.png, and compare CPU and GPU
     Demo(demo::DemoArgs),
     /// List the GPUs and say which one `--backend auto` would take, and why
@@ -65,6 +68,7 @@ pub fn main() -> ExitCode {
 fn run(command: &Command) -> Result<(), CliError> {
     match command {
         Command::Slice(args) => slice::run(args),
+        Command::Contours(args) => contours::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Devices(args) => devices::run(args),
     }
