@@ -21,6 +21,7 @@ pub mod support;
 pub mod path;
 pub mod gcode;
 pub mod picture;
+pub mod export;
 pub mod job;
 pub mod bench;
 pub mod cli;

@@ -2,6 +2,7 @@
 
 use super::setting_flags::FlagError;
 use crate::bench::BenchError;
+use crate::export::UnknownFormat;
 use crate::job::JobError;
 use std::process::ExitCode;
 use thiserror::Error;
@@ -12,7 +13,7 @@ pub const EXIT_CODES: &str = "Exit codes:
   1  a defect of microtome itself; no output was written
   2  the command line was not understood
   3  the model cannot be read, sliced or placed
-  4  a setting or a G-code template is wrong
+  4  a setting, a list of planes or a G-code template is wrong
   5  the GPU asked for is missing or failed
   6  the output cannot be written
 A message on stderr names the file, the place and the remedy. With any code but 0 the output file is as it was before.";
@@ -23,6 +24,9 @@ pub enum CliError {
     /// A setting on the command line, or in a file that it names, is wrong.
     #[error(transparent)]
     Setting(#[from] FlagError),
+    /// The name of an output says nothing about its format.
+    #[error(transparent)]
+    Format(#[from] UnknownFormat),
     /// A job failed.
     #[error(transparent)]
     Job(#[from] JobError),
@@ -46,6 +50,7 @@ impl CliError {
     /// The exit code of this failure; 0 where only the reader of a pipe has gone.
     pub fn code(&self) -> ExitCode {
         ExitCode::from(match self {
+            Self::Format(_) => 2,
             Self::Setting(_) => 4,
             Self::Differs { .. } => 5,
             Self::Stdout(e) if e.kind() == std::io::ErrorKind::BrokenPipe => 0,
@@ -57,8 +62,13 @@ impl CliError {
                 | JobError::Place { .. }
                 | JobError::Planes { .. }
                 | JobError::Trace(_)
+                | JobError::Direction(_)
                 | JobError::Empty { .. } => 3,
-                JobError::Settings(_) | JobError::Template(_) => 4,
+                JobError::Settings(_)
+                | JobError::Template(_)
+                | JobError::PlaneList(_)
+                | JobError::PlaneFile { .. }
+                | JobError::Picture(_) => 4,
                 #[cfg(feature = "gpu")]
                 JobError::Device(_) => 5,
                 JobError::NoGpuSupport => 5,

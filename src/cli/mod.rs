@@ -1,6 +1,7 @@
 //! The command line.
 
 pub mod bench;
+pub mod contours;
 pub mod demo;
 pub mod devices;
 pub mod exit;
@@ -27,6 +28,8 @@ struct Cli {
 enum Command {
     /// Slice a model into G-code
     Slice(slice::SliceArgs),
+    /// Cut a model into contours: SVG, JSON, WKT, Common Layer Interface, or a folder of pictures
+    Contours(contours::ContoursArgs),
     /// Slice the built-in part into demo.gcode and demo.png, and compare CPU and GPU
     Demo(demo::DemoArgs),
     /// List the GPUs and say which one `--backend auto` would take, and why
@@ -82,6 +85,7 @@ fn hush_wayland() {
 fn run(command: &Command) -> Result<(), CliError> {
     match command {
         Command::Slice(args) => slice::run(args),
+        Command::Contours(args) => contours::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Devices(args) => devices::run(args),
         Command::Bench(args) => bench::run(args),

@@ -1,7 +1,7 @@
 //! Settings and flows → what the infill stage needs, in nanometres.
 
 use super::FillKind;
-use crate::lattice::nm;
+use crate::lattice::{mm, nm};
 use crate::settings::flow::{Flow, FlowRole};
 use crate::settings::{FillPattern, Settings};
 use crate::span::RowFrame;
@@ -19,6 +19,9 @@ pub struct FillPlan {
     pub first_spacing: [f64; 3],
     /// The same on all other layers \[nm\].
     pub spacing: [f64; 3],
+    /// Spacing of solid and topmost solid lines per layer \[nm\] where layers differ in thickness; empty
+    /// where all but the first have one. Sparse lines keep theirs, so that they lie upon each other.
+    pub solid_spacing: Vec<[f64; 2]>,
     /// Solid layers under a top surface.
     pub top_layers: u32,
     /// Solid layers over a bottom surface.
@@ -53,6 +56,7 @@ impl FillPlan {
             turned: [i.fill_pattern, i.bottom_fill_pattern, i.top_fill_pattern].map(turns),
             first_spacing: spacing(true),
             spacing: spacing(false),
+            solid_spacing: Vec::new(),
             top_layers: i.top_solid_layers,
             bottom_layers: i.bottom_solid_layers,
             top_thickness: nm(i.top_solid_min_thickness),
@@ -60,6 +64,16 @@ impl FillPlan {
             solid_below_area: i.solid_infill_below_area,
             solid_every: i.solid_infill_every_layers,
         }
+    }
+
+    /// The plan for layers of different `heights` \[nm\], lowest layer first: solid lines lie as close as
+    /// beads of their own layer's thickness need, sparse ones as `layer_height` says.
+    pub fn for_heights(settings: &Settings, heights: impl Iterator<Item = i32>) -> Self {
+        let solid = |(i, height): (usize, i32)| {
+            [FlowRole::SolidInfill, FlowRole::TopSolidInfill]
+                .map(|role| Flow::new(role, mm(height), i == 0, settings).spacing_nm() as f64)
+        };
+        Self { solid_spacing: heights.enumerate().map(solid).collect(), ..Self::new(settings) }
     }
 
     /// True when a kind's lines are turned by 90 degrees on layer `i`.
@@ -80,9 +94,11 @@ impl FillPlan {
     /// Distance between the lines of a kind on layer `i` \[nm\].
     pub(super) fn pitch(&self, kind: FillKind, i: usize) -> f64 {
         let spacing = if i == 0 { self.first_spacing } else { self.spacing }[kind as usize];
+        let own = |k: usize| self.solid_spacing.get(i).map_or(spacing, |solid| solid[k]);
         match kind {
             FillKind::Sparse => spacing / self.density,
-            _ => spacing,
+            FillKind::Solid => own(0),
+            FillKind::TopSolid => own(1),
         }
     }
 

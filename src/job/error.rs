@@ -2,11 +2,14 @@
 
 use super::output::OutputError;
 use crate::contour::TraceError;
+use crate::export::png::PictureError;
 use crate::gcode::template::TemplateError;
 use crate::mesh::{MeshError, PlaceError};
 use crate::settings::SettingsError;
+use crate::slice::direction::DirectionError;
 use crate::slice::planes::PlaneError;
-use std::path::Path;
+use crate::slice::planes::list::ListError;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Why a job ended without output.
@@ -31,6 +34,23 @@ pub enum JobError {
         /// Why there are none.
         error: PlaneError,
     },
+    /// A list of planes is wrong.
+    #[error(transparent)]
+    PlaneList(#[from] ListError),
+    /// A list of planes cannot be read.
+    #[error("{}: cannot read the list of planes: {source}; give --planes a text file", path.display())]
+    PlaneFile {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The mesh cannot be turned to the planes' normal.
+    #[error(transparent)]
+    Direction(#[from] DirectionError),
+    /// Pictures of that scale cannot be drawn.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
     /// The mesh is too large to be traced.
     #[error(transparent)]
     Trace(#[from] TraceError),

@@ -80,8 +80,7 @@ pub fn plan_mesh(
 
     progress.stage("slicing");
     watch.stage("slice");
-    let [lo, hi] = mesh.world_bounds().unwrap_or_default();
-    let layers = planes::layers(lo[2], hi[2], &settings.slicing)
+    let layers = planes::of_mesh(&mesh, settings)
         .map_err(|error| JobError::Planes { model: name.to_owned(), error })?;
     let planes = planes::plane_zs(&layers, mesh.origin[2]);
     let options = TraceOptions::new(&settings.slicing);
@@ -104,7 +103,12 @@ pub fn plan_mesh(
 
     progress.stage("infill");
     watch.stage("infill");
-    let fills = infill::fill(&fill_layers(&islands, &layers), &infill::FillPlan::new(settings));
+    let fill_plan = if settings.slicing.adaptive_layer_height {
+        infill::FillPlan::for_heights(settings, layers.iter().map(|l| l.height))
+    } else {
+        infill::FillPlan::new(settings)
+    };
+    let fills = infill::fill(&fill_layers(&islands, &layers), &fill_plan);
     let skirt = skirt(&islands, &layers, settings);
     let print_z_mm = layers.last().map_or(0.0, |l| lattice::mm(l.print_z));
     let layers = assemble(layers, islands, fills, &skirt, settings);

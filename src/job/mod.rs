@@ -1,6 +1,7 @@
 //! Where the stages are chained.
 
 pub mod backend;
+pub mod contours;
 pub mod error;
 pub mod filament;
 pub mod memory;

@@ -20,11 +20,29 @@ pub struct Part {
     pub warnings: Vec<String>,
 }
 
-/// Turns, places, joins and audits a mesh; `name` stands for it in messages.
+/// Turns, places, joins and audits a mesh to be printed; `name` stands for it in messages.
 ///
 /// # Errors
 /// [`JobError::Place`] when it does not fit the printer.
 pub fn prepare(
+    loaded: Loaded,
+    name: &str,
+    printer: &PrinterSettings,
+    placement: Placement,
+    progress: &dyn Progress,
+    watch: &mut Stopwatch,
+) -> Result<Part, JobError> {
+    let part = prepare_any_size(loaded, name, printer, placement, progress, watch)?;
+    mesh::fits(&part.mesh, &printer.bed_shape, printer.max_print_height)
+        .map_err(|error| JobError::Place { model: name.to_owned(), error })?;
+    Ok(part)
+}
+
+/// [`prepare`] for a mesh that need not fit the printer.
+///
+/// # Errors
+/// [`JobError::Place`] when the mesh is empty or the bed has no area to be placed on.
+pub fn prepare_any_size(
     loaded: Loaded,
     name: &str,
     printer: &PrinterSettings,
@@ -38,7 +56,6 @@ pub fn prepare(
         warnings.push(format!("{name}: the mesh is inside out; all its facets were turned"));
     }
     mesh::place(&mut mesh, &printer.bed_shape, placement)
-        .and_then(|()| mesh::fits(&mesh, &printer.bed_shape, printer.max_print_height))
         .map_err(|error| JobError::Place { model: name.to_owned(), error })?;
     progress.stage("joining facets");
     watch.stage("adjacency");

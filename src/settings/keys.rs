@@ -105,6 +105,10 @@ const SPARSE_PATTERNS: Kind = Choice(
 registry! {
     Slicing slicing.layer_height: Number(0.01, 10.0), "mm", "Layer thickness";
     Slicing slicing.first_layer_height: NumberOrPercent(0.01, 10.0, 1000.0), "mm", "Thickness of the first layer; % of layer_height";
+    Slicing slicing.adaptive_layer_height: Flag, "", "Layers as thick as the surface's slope allows, instead of layer_height";
+    Slicing slicing.adaptive_cusp_height: Number(0.001, 10.0), "mm", "Greatest step that an adaptive layer leaves on a slope, across the surface";
+    Slicing slicing.min_layer_height: @each Number(0.0, 10.0), "mm", "Least thickness of an adaptive layer; 0 = 0.01 mm";
+    Slicing slicing.max_layer_height: @each Number(0.0, 10.0), "mm", "Greatest thickness of an adaptive layer; 0 = 75% of the nozzle's bore";
     Slicing slicing.resolution: Number(0.0, 10.0), "mm", "Tolerance of contour simplification; 0 keeps every point";
     Slicing slicing.slice_closing_radius: Number(0.0, 10.0), "mm", "Gaps in a contour up to twice this are closed";
     Slicing slicing.xy_size_compensation: Number(-10.0, 10.0), "mm", "Grows (+) or shrinks (-) every layer's outline in XY";

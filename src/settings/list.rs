@@ -63,8 +63,8 @@ fn cell(text: &str) -> String {
 
 const HEAD: &str = "# Settings
 
-The names, units, value syntax and defaults are PrusaSlicer's, with one exception: `fill_pattern` is
-`rectilinear` here. This page is generated from the registry in `src/settings/keys.rs`; a test keeps it true
+The names, units, value syntax and defaults are PrusaSlicer's, with two exceptions: `fill_pattern` is
+`rectilinear` here, and `adaptive_layer_height` and `adaptive_cusp_height` are this program's own. This page is generated from the registry in `src/settings/keys.rs`; a test keeps it true
 (`MICROTOME_BLESS=1 cargo test --lib settings` rewrites it).
 
 Settings come, later ones winning, from files (`--load FILE`, may be repeated), from a flag for each key

@@ -55,6 +55,14 @@ pub struct SlicingSettings {
     pub layer_height: f64,
     /// Thickness of the first layer \[mm\], or % of `layer_height`.
     pub first_layer_height: FloatOrPercent,
+    /// Layers as thick as the surface's slope allows instead of `layer_height`.
+    pub adaptive_layer_height: bool,
+    /// Greatest step that an adaptive layer may leave on a slope, measured across the surface \[mm\].
+    pub adaptive_cusp_height: f64,
+    /// Least thickness of an adaptive layer \[mm\]; 0 = 0.01 mm.
+    pub min_layer_height: f64,
+    /// Greatest thickness of an adaptive layer \[mm\]; 0 = 75 % of the nozzle's bore.
+    pub max_layer_height: f64,
     /// Tolerance of contour simplification \[mm\]; 0 keeps every point.
     pub resolution: f64,
     /// Gaps in a contour up to twice this are closed \[mm\].
@@ -68,6 +76,10 @@ impl Default for SlicingSettings {
         Self {
             layer_height: 0.3,
             first_layer_height: Float(0.35),
+            adaptive_layer_height: false,
+            adaptive_cusp_height: 0.1,
+            min_layer_height: 0.07,
+            max_layer_height: 0.0,
             resolution: 0.0,
             slice_closing_radius: 0.049,
             xy_size_compensation: 0.0,

@@ -53,11 +53,29 @@ impl Settings {
         self.slicing.first_layer_height.of(self.slicing.layer_height)
     }
 
+    /// Least and greatest thickness of adaptive layers \[mm\], 0 replaced by its meaning.
+    pub fn adaptive_heights(&self) -> [f64; 2] {
+        let [min, max] = [self.slicing.min_layer_height, self.slicing.max_layer_height];
+        [
+            if min > 0.0 { min } else { 0.01 },
+            if max > 0.0 { max } else { 0.75 * self.printer.nozzle_diameter },
+        ]
+    }
+
     fn check_layers(&self) -> Result<(), SettingsError> {
         let nozzle = self.printer.nozzle_diameter;
-        for (key, height) in
-            [("layer_height", self.slicing.layer_height), ("first_layer_height", self.first_height())]
-        {
+        let mut heights =
+            vec![("layer_height", self.slicing.layer_height), ("first_layer_height", self.first_height())];
+        if self.slicing.adaptive_layer_height {
+            let [min, max] = self.adaptive_heights();
+            if min > max {
+                let problem = format!("above the greatest thickness of an adaptive layer ({max} mm)");
+                let remedy = format!("at most {max}, or set max_layer_height");
+                return Err(self.invalid("min_layer_height", problem, remedy));
+            }
+            heights.push(("max_layer_height", max));
+        }
+        for (key, height) in heights {
             // `is_nan` and the like are covered: a comparison with them is false.
             if !(height > 0.0 && height.is_finite()) {
                 return Err(self.invalid(key, "the layer has no thickness", "give a height above 0"));
@@ -80,8 +98,11 @@ impl Settings {
             (FlowRole::SolidInfill, "solid_infill_extrusion_width"),
             (FlowRole::TopSolidInfill, "top_infill_extrusion_width"),
         ];
-        for first in [true, false] {
-            let height = if first { self.first_height() } else { self.slicing.layer_height };
+        let mut layers = vec![(true, self.first_height()), (false, self.slicing.layer_height)];
+        if self.slicing.adaptive_layer_height {
+            layers.extend(self.adaptive_heights().map(|height| (false, height)));
+        }
+        for (first, height) in layers {
             for (role, own) in roles {
                 let flow = Flow::new(role, height, first, self);
                 let key = self.width_key(own, height, first);

@@ -5,10 +5,12 @@
 //! contour enters the triangle on that plane and, through the adjacency, the slot in which it goes
 //! on. No hash, no sort, no epsilon.
 
+pub mod adaptive;
 pub mod chunk;
 pub mod classic;
 pub mod cpu;
 pub mod crossing;
+pub mod direction;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod planes;

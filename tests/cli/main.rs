@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod golden;
+mod contours;
 mod output;
 mod same_bytes;
 mod settings;

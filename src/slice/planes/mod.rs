@@ -1,7 +1,11 @@
 //! Where the planes lie.
 
+pub mod list;
+
+use super::adaptive;
 use crate::lattice::{LIMIT, mm, nm};
-use crate::settings::SlicingSettings;
+use crate::mesh::Mesh;
+use crate::settings::{Settings, SlicingSettings};
 use thiserror::Error;
 
 /// One layer of the print; heights above the bed.
@@ -55,6 +59,23 @@ pub enum PlaneError {
         /// Thickness of the layers \[mm\].
         layer_mm: f64,
     },
+    /// A list of planes that all miss the part.
+    #[error(
+        "the part reaches from {bottom_mm} to {top_mm} mm and none of the {planes} planes from {first_mm} to {last_mm} mm cuts it; \
+         heights are in millimetres above the bed"
+    )]
+    Missed {
+        /// Number of planes.
+        planes: usize,
+        /// Lowest plane \[mm\].
+        first_mm: f64,
+        /// Highest plane \[mm\].
+        last_mm: f64,
+        /// Lowest point of the part \[mm\].
+        bottom_mm: f64,
+        /// Highest point of the part \[mm\].
+        top_mm: f64,
+    },
     /// Heights beyond what the lattice holds.
     #[error("the part reaches {top_mm} mm above the bed, beyond the lattice's 2147 mm; put it on the bed")]
     TooHigh {
@@ -107,6 +128,18 @@ pub fn layers(z_min: i64, z_max: i64, settings: &SlicingSettings) -> Result<Vec<
         Some(top) if i64::from(top.slice_z) > z_min => Ok(layers),
         _ => Err(PlaneError::Thin { bottom_mm, top_mm, first_mm, layer_mm }),
     }
+}
+
+/// The layers of a mesh on the bed that the settings ask for, uniform or adaptive.
+///
+/// # Errors
+/// [`PlaneError`]: see [`layers`].
+pub fn of_mesh(mesh: &Mesh, settings: &Settings) -> Result<Vec<LayerZ>, PlaneError> {
+    if settings.slicing.adaptive_layer_height {
+        return adaptive::layers(mesh, &adaptive::AdaptivePlan::new(settings));
+    }
+    let [lo, hi] = mesh.world_bounds().unwrap_or_default();
+    layers(lo[2], hi[2], &settings.slicing)
 }
 
 /// The layers' planes \[nm\] in the frame of a mesh whose lattice has its zero `mesh_origin_z` \[nm\]
