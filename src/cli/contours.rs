@@ -6,20 +6,14 @@ use super::progress::Spinner;
 use super::report;
 use super::setting_flags::SettingFlags;
 use crate::export::Format;
-use crate::job::contours::{self, Algorithm, ContoursJob, ContoursSummary};
+use crate::job::contours::{self, ContoursJob, ContoursSummary};
 use crate::mesh::Placement;
 use crate::settings::Settings;
+use crate::slice::classic::Algorithm;
 use crate::slice::direction::Direction;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::io::{self, Write};
 use std::path::PathBuf;
-
-/// How planes and triangles are intersected, as typed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum AlgorithmArg {
-    /// The core's own, on the CPU or a GPU
-    Main,
-}
 
 /// Arguments of `contours`.
 #[derive(Debug, Args)]
@@ -36,9 +30,9 @@ pub struct ContoursArgs {
     /// Normal of the planes; the part is turned so that it points up, and heights are measured along it
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,1", value_parser = normal, allow_hyphen_values = true)]
     pub plane_normal: Direction,
-    /// How to intersect planes and triangles; the contours are the same
-    #[arg(long, value_enum, default_value = "main")]
-    pub algorithm: AlgorithmArg,
+    /// How to find the triangles of each plane: main, trivial, sweep, grouping, incremental; the contours are the same
+    #[arg(long, value_name = "NAME", default_value = "main")]
+    pub algorithm: Algorithm,
     /// Pixels per mm of PNG pictures
     #[arg(long, value_name = "N", default_value_t = 10.0)]
     pub scale: f64,
@@ -79,9 +73,7 @@ pub fn run(args: &ContoursArgs) -> Result<(), CliError> {
         placement: if args.no_place { Placement::Keep } else { Placement::DropAndCentre },
         direction: args.plane_normal,
         planes: args.planes.as_deref(),
-        algorithm: match args.algorithm {
-            AlgorithmArg::Main => Algorithm::Main,
-        },
+        algorithm: args.algorithm,
         backend: args.run.backend(),
         format,
         scale: args.scale,

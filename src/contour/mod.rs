@@ -15,7 +15,7 @@ mod sweep;
 pub mod trace;
 pub mod walk;
 
-pub use trace::{LayerContours, TraceError, TraceOptions, trace};
+pub use trace::{LayerContours, TraceError, TraceOptions, Walked, trace};
 pub use walk::contours_of;
 
 use crate::lattice::Point2;

@@ -52,6 +52,17 @@ pub struct LayerContours {
     pub rings: Vec<Ring>,
     /// What became of open chains.
     pub open: OpenReport,
+    /// What the walk met, before anything was joined or removed.
+    pub walked: Walked,
+}
+
+/// How many contours a walk met on a plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Walked {
+    /// Closed cycles of successors; those of zero length, which leave no ring, are among them.
+    pub closed: u32,
+    /// Chains that begin and end at open edges.
+    pub open: u32,
 }
 
 /// Why a mesh cannot be traced. None of these can come from a mesh and adjacency built by

@@ -1,33 +1,26 @@
 //! From a model to its contours on a family of planes, in a format for other programs.
 
 use super::JobError;
-use super::backend::{self, BackendOptions, Traced};
+use super::backend::{self, Backend, BackendOptions, Traced};
 use super::output::{OutputError, OutputFile};
 use super::part::{self, Part};
 use super::progress::Progress;
 use super::summary::{BackendSummary, MeshSummary, StageTime, Stopwatch};
-use crate::contour::{LayerContours, TraceOptions};
+use crate::contour::{self, LayerContours, TraceOptions};
 use crate::export::png::Raster;
 use crate::export::{self, Drawing, Format, Frame, Sheet};
 use crate::lattice::{NM_PER_MM, mm};
-use crate::mesh::{self, Mesh, OPEN, PlaceError, Placement};
+use crate::mesh::{self, Adjacency, Mesh, PlaceError, Placement};
 use crate::settings::Settings;
+use crate::slice::chunk;
+use crate::slice::classic::{self, Algorithm};
 use crate::slice::direction::Direction;
 use crate::slice::planes::{self, LayerZ, PlaneError, list};
-use crate::slice::{Segments, chunk, cpu};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::Path;
-
-/// How planes and triangles are intersected.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Algorithm {
-    /// The core's own, on the CPU or a GPU.
-    #[default]
-    Main,
-}
 
 /// What is to be cut and how.
 #[derive(Clone, Debug)]
@@ -123,21 +116,13 @@ pub fn run(
     let layers = layers(&mesh, &name, job)?;
     let planes = planes::plane_zs(&layers, mesh.origin[2]);
     watch.stage("slice");
-    let part = (&mesh, &adjacency);
-    let options = TraceOptions::new(&job.settings.slicing);
-    let traced = match job.algorithm {
-        Algorithm::Main => backend::contours(part.0, part.1, &planes, &job.backend, &options)?,
-    };
-    watch.stage("count");
-    let per_plane = chunk::segments_per_plane(&mesh, &planes);
-    let (contours, open_chains) = chunk::runs(&per_plane, COUNTED_AT_ONCE)
-        .into_par_iter()
-        .map(|run| cycles(&cpu::slice(&mesh, &adjacency, &planes[run])))
-        .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    let traced = trace(&mesh, &adjacency, &planes, job)?;
     let Traced { layers: found, segments, backend, warning } = traced;
     warnings.extend(warning);
+    let sum_of = |count: fn(&LayerContours) -> u32| found.iter().map(|l| u64::from(count(l))).sum();
+    let (contours, open_chains) = (sum_of(|l| l.walked.closed), sum_of(|l| l.walked.open));
     if open_chains > 0 {
-        let sum = crate::contour::chains::sum(found.iter().map(|l| &l.open)).total;
+        let sum = contour::chains::sum(found.iter().map(|l| &l.open)).total;
         warnings.push(format!(
             "{name}: {open_chains} open contours: {} closed within the tolerance, {} closed by a straight line, {} left out; repair the mesh",
             sum.matched, sum.forced, sum.dropped
@@ -203,37 +188,39 @@ fn layers(mesh: &Mesh, name: &str, job: &ContoursJob<'_>) -> Result<Vec<LayerZ>,
     Ok(layers)
 }
 
-/// Segments whose links are followed at once: bounds the memory of counting.
-const COUNTED_AT_ONCE: u64 = 1 << 21;
+/// Segments made at once by the algorithms of the literature: bounds their memory.
+const SEGMENTS_AT_ONCE: u64 = 1 << 22;
 
-/// Closed cycles of successors, and chains that end at an open edge.
-fn cycles(segments: &Segments) -> (u64, u64) {
-    let next = &segments.next;
-    let mut begun = vec![true; next.len()];
-    for &n in next.iter().filter(|&&n| n != OPEN) {
-        begun[n as usize] = false;
+/// The contours by the algorithm asked for. Those of the literature run on the CPU, on one thread.
+fn trace(
+    mesh: &Mesh,
+    adjacency: &Adjacency,
+    planes: &[i32],
+    job: &ContoursJob<'_>,
+) -> Result<Traced, JobError> {
+    let options = TraceOptions::new(&job.settings.slicing);
+    let algorithm = job.algorithm;
+    if algorithm == Algorithm::Main {
+        return backend::contours(mesh, adjacency, planes, &job.backend, &options);
     }
-    let mut taken = vec![false; next.len()];
-    // Follows successors as far as nobody has been; false when that is nowhere.
-    let mut follow = |from: usize| {
-        let (mut at, mut new) = (from, false);
-        while !taken[at] {
-            (taken[at], new) = (true, true);
-            match next[at] {
-                OPEN => break,
-                n => at = n as usize,
-            }
-        }
-        new
-    };
-    // Chains first, from their ends; what is left then are cycles.
-    let mut open = 0;
-    for (from, _) in begun.iter().enumerate().filter(|(_, begun)| **begun) {
-        follow(from);
-        open += 1;
+    let per_plane = chunk::segments_per_plane(mesh, planes);
+    let mut layers = Vec::with_capacity(planes.len());
+    for run in chunk::runs(&per_plane, SEGMENTS_AT_ONCE) {
+        let segments = classic::slice(algorithm, mesh, adjacency, &planes[run.clone()]);
+        layers.extend(contour::contours_of(mesh, &planes[run], &segments, &options));
     }
-    let closed = (0..next.len()).map(|from| u64::from(follow(from))).sum();
-    (closed, open)
+    let on_gpu = job.backend.backend == Backend::Gpu || job.backend.adapter.is_some();
+    Ok(Traced {
+        layers,
+        segments: per_plane.iter().sum(),
+        backend: BackendSummary {
+            kind: "cpu",
+            adapter: None,
+            reason: format!("--algorithm {algorithm}"),
+            threads: 1,
+        },
+        warning: on_gpu.then(|| format!("--algorithm {algorithm} runs on the CPU; no GPU was used")),
+    })
 }
 
 /// How the planes lie in the model file, whose zero was `file_origin` away from the lattice's before

@@ -362,6 +362,24 @@ fn a_normal_along_z_changes_nothing_and_along_another_axis_exchanges_axes() {
 }
 
 #[test]
+fn every_algorithm_gives_the_same_file() {
+    let bench = Bench::new();
+    bench.stl("knot.stl", &shapes::knot(2.0, 1.0, 3000));
+    bench.write("z.txt", "0.1\n0.15\n1\n2.5\n2.6\n4\n");
+    for planes in [&HEIGHTS[..], &["--planes", "z.txt"]] {
+        let main = contours(&bench, "knot.stl", "main.json", planes);
+        for algorithm in ["main", "trivial", "sweep", "grouping", "incremental"] {
+            let said =
+                contours(&bench, "knot.stl", "a.json", &[planes, &["--algorithm", algorithm]].concat());
+            for key in ["planes", "segments", "contours", "open_chains", "areas_mm2", "layers"] {
+                assert_eq!(said[key], main[key], "{algorithm}: {key}");
+            }
+            assert!(read(&bench, "a.json") == read(&bench, "main.json"), "{algorithm}");
+        }
+    }
+}
+
+#[test]
 fn what_is_refused() {
     let bench = Bench::new();
     bench.stl("box.stl", &shapes::cuboid([0.0; 3], [10.0, 8.0, 4.0]));
@@ -373,6 +391,7 @@ fn what_is_refused() {
         (&["box.stl", "-o", "a.svg", "--plane-normal", "0,0,0"], 2, &["no direction"]),
         (&["box.stl", "-o", "a.svg", "--plane-normal", "-1,nan,0"], 2, &["no direction"]),
         (&["box.stl", "-o", "a.svg", "--plane-normal", "1,2"], 2, &["three numbers"]),
+        (&["box.stl", "-o", "a.svg", "--algorithm", "magic"], 2, &["magic", "grouping"]),
         (&["box.stl", "-o", "pictures/", "--scale", "0"], 4, &["pixels per millimetre"]),
         (&["box.stl", "-o", "a.svg", "--layer-height", "-1"], 4, &["layer_height"]),
         (&["box.stl", "-o", "a.svg", "--layer-height", "9", "--first-layer-height", "9"], 3, &["layer"]),
