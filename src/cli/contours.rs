@@ -6,9 +6,10 @@ use super::progress::Spinner;
 use super::report;
 use super::setting_flags::SettingFlags;
 use crate::export::Format;
-use crate::job::contours::{self, Algorithm, ContoursJob, ContoursSummary};
+use crate::job::contours::{self, ContoursJob, ContoursSummary};
 use crate::mesh::Placement;
 use crate::settings::Settings;
+use crate::slice::classic::Algorithm;
 use crate::slice::direction::Direction;
 use clap::{Args, ValueEnum};
 use std::io::{self, Write};
@@ -19,6 +20,14 @@ use std::path::PathBuf;
 pub enum AlgorithmArg {
     /// The core's own, on the CPU or a GPU
     Main,
+    /// Every plane against every triangle
+    Trivial,
+    /// A sweep plane with the triangles that it meets
+    Sweep,
+    /// Triangles grouped by their lowest and highest z
+    Grouping,
+    /// Buckets of planes, or an interval tree where they are not evenly spaced
+    Incremental,
 }
 
 /// Arguments of `contours`.
@@ -81,6 +90,10 @@ pub fn run(args: &ContoursArgs) -> Result<(), CliError> {
         planes: args.planes.as_deref(),
         algorithm: match args.algorithm {
             AlgorithmArg::Main => Algorithm::Main,
+            AlgorithmArg::Trivial => Algorithm::Trivial,
+            AlgorithmArg::Sweep => Algorithm::Sweep,
+            AlgorithmArg::Grouping => Algorithm::Grouping,
+            AlgorithmArg::Incremental => Algorithm::Incremental,
         },
         backend: args.run.backend(),
         format,

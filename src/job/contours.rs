@@ -6,12 +6,13 @@ use super::output::{OutputError, OutputFile};
 use super::part::{self, Part};
 use super::progress::Progress;
 use super::summary::{BackendSummary, MeshSummary, StageTime, Stopwatch};
-use crate::contour::{LayerContours, TraceOptions};
+use crate::contour::{self, LayerContours, TraceOptions};
 use crate::export::png::Raster;
 use crate::export::{self, Drawing, Format, Frame, Sheet};
 use crate::lattice::{NM_PER_MM, mm};
-use crate::mesh::{self, Mesh, OPEN, PlaceError, Placement};
+use crate::mesh::{self, Adjacency, Mesh, OPEN, PlaceError, Placement};
 use crate::settings::Settings;
+use crate::slice::classic::{self, Algorithm};
 use crate::slice::direction::Direction;
 use crate::slice::planes::{self, LayerZ, PlaneError, list};
 use crate::slice::{Segments, chunk, cpu};
@@ -20,14 +21,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::Path;
-
-/// How planes and triangles are intersected.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Algorithm {
-    /// The core's own, on the CPU or a GPU.
-    #[default]
-    Main,
-}
 
 /// What is to be cut and how.
 #[derive(Clone, Debug)]
@@ -127,6 +120,7 @@ pub fn run(
     let options = TraceOptions::new(&job.settings.slicing);
     let traced = match job.algorithm {
         Algorithm::Main => backend::contours(part.0, part.1, &planes, &job.backend, &options)?,
+        classic => by_classic(classic, part, &planes, &options),
     };
     watch.stage("count");
     let per_plane = chunk::segments_per_plane(&mesh, &planes);
@@ -137,7 +131,7 @@ pub fn run(
     let Traced { layers: found, segments, backend, warning } = traced;
     warnings.extend(warning);
     if open_chains > 0 {
-        let sum = crate::contour::chains::sum(found.iter().map(|l| &l.open)).total;
+        let sum = contour::chains::sum(found.iter().map(|l| &l.open)).total;
         warnings.push(format!(
             "{name}: {open_chains} open contours: {} closed within the tolerance, {} closed by a straight line, {} left out; repair the mesh",
             sum.matched, sum.forced, sum.dropped
@@ -172,6 +166,27 @@ pub fn run(
         ignored_settings: Vec::new(),
         times: watch.finish(),
     })
+}
+
+/// The contours by an algorithm of the literature, on one thread.
+fn by_classic(
+    algorithm: Algorithm,
+    (mesh, adjacency): (&Mesh, &Adjacency),
+    planes: &[i32],
+    options: &TraceOptions,
+) -> Traced {
+    let per_plane = chunk::segments_per_plane(mesh, planes);
+    let layers = chunk::runs(&per_plane, COUNTED_AT_ONCE).into_iter().flat_map(|run| {
+        let planes = &planes[run];
+        contour::contours_of(mesh, planes, &classic::slice(algorithm, mesh, adjacency, planes), options)
+    });
+    let reason = format!("--algorithm {algorithm}");
+    Traced {
+        layers: layers.collect(),
+        segments: per_plane.iter().sum(),
+        backend: BackendSummary { kind: "cpu", adapter: None, reason, threads: 1 },
+        warning: None,
+    }
 }
 
 /// The planes asked for: a list, or layers.

@@ -427,3 +427,21 @@ fn adaptive_layers_reach_the_gcode() {
     let tops: Vec<f64> = read_cli(&read(&bench, "a.cli")).iter().map(|p| p.z).collect();
     assert!(tops.windows(2).all(|w| (0.05 - 1e-9..=0.3 + 1e-9).contains(&(w[1] - w[0]))));
 }
+
+#[test]
+fn every_algorithm_writes_the_same_file() {
+    let bench = Bench::new();
+    bench.stl("part.stl", &microtome::mesh::demo_part());
+    bench.write("planes.txt", "0.5\n3.1\n3.2\n9\n14.85\n27\n");
+    for planes in [&["--layer-height", "0.3"][..], &["--planes", "planes.txt"]] {
+        contours(&bench, "part.stl", "main.json", planes);
+        let main = read(&bench, "main.json");
+        assert!(main.len() > 1000);
+        for algorithm in ["trivial", "sweep", "grouping", "incremental"] {
+            let more = [planes, &["--algorithm", algorithm]].concat();
+            let summary = contours(&bench, "part.stl", "other.json", &more);
+            assert_eq!(summary["backend"]["reason"], format!("--algorithm {algorithm}"));
+            assert!(main == read(&bench, "other.json"), "{algorithm} {planes:?}");
+        }
+    }
+}
