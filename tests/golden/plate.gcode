@@ -446,6 +446,8 @@ M84     ; disable motors
 ; total layers count = 4
 
 ; prusaslicer_config = begin
+; adaptive_cusp_height = 0.1
+; adaptive_layer_height = 0
 ; bed_shape = 0x0,200x0,200x200,0x200
 ; bed_temperature = 0
 ; before_layer_gcode = 
@@ -487,9 +489,11 @@ M84     ; disable motors
 ; layer_gcode = 
 ; layer_height = 0.2
 ; max_fan_speed = 100
+; max_layer_height = 0
 ; max_print_height = 200
 ; max_volumetric_speed = 0
 ; min_fan_speed = 35
+; min_layer_height = 0.07
 ; min_print_speed = 10
 ; min_skirt_length = 0
 ; nozzle_diameter = 0.4
