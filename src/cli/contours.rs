@@ -11,9 +11,24 @@ use crate::mesh::Placement;
 use crate::settings::Settings;
 use crate::slice::classic::Algorithm;
 use crate::slice::direction::Direction;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::io::{self, Write};
 use std::path::PathBuf;
+
+/// How planes and triangles are intersected, as typed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AlgorithmArg {
+    /// The core's own, on the CPU or a GPU
+    Main,
+    /// Every plane against every triangle
+    Trivial,
+    /// A sweep plane with the triangles that it meets
+    Sweep,
+    /// Triangles grouped by their lowest and highest z
+    Grouping,
+    /// Buckets of planes, or an interval tree where they are not evenly spaced
+    Incremental,
+}
 
 /// Arguments of `contours`.
 #[derive(Debug, Args)]
@@ -30,9 +45,9 @@ pub struct ContoursArgs {
     /// Normal of the planes; the part is turned so that it points up, and heights are measured along it
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,1", value_parser = normal, allow_hyphen_values = true)]
     pub plane_normal: Direction,
-    /// How to find the triangles of each plane: main, trivial, sweep, grouping, incremental; the contours are the same
-    #[arg(long, value_name = "NAME", default_value = "main")]
-    pub algorithm: Algorithm,
+    /// How to intersect planes and triangles; the contours are the same
+    #[arg(long, value_enum, default_value = "main")]
+    pub algorithm: AlgorithmArg,
     /// Pixels per mm of PNG pictures
     #[arg(long, value_name = "N", default_value_t = 10.0)]
     pub scale: f64,
@@ -73,7 +88,13 @@ pub fn run(args: &ContoursArgs) -> Result<(), CliError> {
         placement: if args.no_place { Placement::Keep } else { Placement::DropAndCentre },
         direction: args.plane_normal,
         planes: args.planes.as_deref(),
-        algorithm: args.algorithm,
+        algorithm: match args.algorithm {
+            AlgorithmArg::Main => Algorithm::Main,
+            AlgorithmArg::Trivial => Algorithm::Trivial,
+            AlgorithmArg::Sweep => Algorithm::Sweep,
+            AlgorithmArg::Grouping => Algorithm::Grouping,
+            AlgorithmArg::Incremental => Algorithm::Incremental,
+        },
         backend: args.run.backend(),
         format,
         scale: args.scale,

@@ -362,24 +362,6 @@ fn a_normal_along_z_changes_nothing_and_along_another_axis_exchanges_axes() {
 }
 
 #[test]
-fn every_algorithm_gives_the_same_file() {
-    let bench = Bench::new();
-    bench.stl("knot.stl", &shapes::knot(2.0, 1.0, 3000));
-    bench.write("z.txt", "0.1\n0.15\n1\n2.5\n2.6\n4\n");
-    for planes in [&HEIGHTS[..], &["--planes", "z.txt"]] {
-        let main = contours(&bench, "knot.stl", "main.json", planes);
-        for algorithm in ["main", "trivial", "sweep", "grouping", "incremental"] {
-            let said =
-                contours(&bench, "knot.stl", "a.json", &[planes, &["--algorithm", algorithm]].concat());
-            for key in ["planes", "segments", "contours", "open_chains", "areas_mm2", "layers"] {
-                assert_eq!(said[key], main[key], "{algorithm}: {key}");
-            }
-            assert!(read(&bench, "a.json") == read(&bench, "main.json"), "{algorithm}");
-        }
-    }
-}
-
-#[test]
 fn what_is_refused() {
     let bench = Bench::new();
     bench.stl("box.stl", &shapes::cuboid([0.0; 3], [10.0, 8.0, 4.0]));
@@ -445,4 +427,25 @@ fn adaptive_layers_reach_the_gcode() {
     assert_eq!(said["planes"], adaptive["layers"]);
     let tops: Vec<f64> = read_cli(&read(&bench, "a.cli")).iter().map(|p| p.z).collect();
     assert!(tops.windows(2).all(|w| (0.05 - 1e-9..=0.3 + 1e-9).contains(&(w[1] - w[0]))));
+}
+
+#[test]
+fn every_algorithm_writes_the_same_file() {
+    let bench = Bench::new();
+    bench.stl("part.stl", &microtome::mesh::demo_part());
+    bench.write("planes.txt", "0.5\n3.1\n3.2\n9\n14.85\n27\n");
+    for planes in [&["--layer-height", "0.3"][..], &["--planes", "planes.txt"]] {
+        let plain = contours(&bench, "part.stl", "main.json", planes);
+        let main = read(&bench, "main.json");
+        assert!(main.len() > 1000);
+        for algorithm in ["trivial", "sweep", "grouping", "incremental"] {
+            let more = [planes, &["--algorithm", algorithm]].concat();
+            let summary = contours(&bench, "part.stl", "other.json", &more);
+            assert_eq!(summary["backend"]["reason"], format!("--algorithm {algorithm}"));
+            assert!(main == read(&bench, "other.json"), "{algorithm} {planes:?}");
+            for key in ["planes", "segments", "contours", "open_chains", "areas_mm2", "layers"] {
+                assert_eq!(summary[key], plain[key], "{algorithm}: {key}");
+            }
+        }
+    }
 }
