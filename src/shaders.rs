@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 /// Invocations per workgroup of every kernel; 256 is what every WebGPU device offers.
 pub const GROUP_SIZE: u32 = 256;
 
-/// Values per workgroup of [`SCAN_BLOCK`].
+/// Values per workgroup of [`SCAN_BLOCK`], also keys of [`SORT_COUNT`] and [`SORT_SCATTER`].
 pub const SCAN_BLOCK_LEN: u32 = 2048;
 
 /// What a kernel sees behind a binding; the list's index is the binding's number.
@@ -71,6 +71,50 @@ pub struct ScanSizes {
 pub struct AddSizes {
     /// Sums to add to.
     pub sums: u32,
+    /// Zero.
+    pub padding: [u32; 3],
+}
+
+/// Uniform of the welding kernels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct WeldSizes {
+    /// Items of the dispatch: coordinates, corners or facets.
+    pub items: u32,
+    /// First corner of the part that is bound.
+    pub corner: u32,
+    /// Places in the table.
+    pub capacity: u32,
+    /// World position of the lattice's zero along x \[nm\], modulo 2^32.
+    pub origin_x: u32,
+    /// Along y.
+    pub origin_y: u32,
+    /// Along z.
+    pub origin_z: u32,
+    /// Zero.
+    pub padding: [u32; 2],
+}
+
+/// Uniform of the sorting kernels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SortSizes {
+    /// Keys.
+    pub length: u32,
+    /// Lowest bit of the digit.
+    pub shift: u32,
+    /// Blocks of [`SCAN_BLOCK_LEN`] keys.
+    pub blocks: u32,
+    /// Zero.
+    pub padding: u32,
+}
+
+/// Uniform of the kernels that pair half-edges.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct EdgeSizes {
+    /// Half-edges.
+    pub half_edges: u32,
     /// Zero.
     pub padding: [u32; 3],
 }
@@ -146,7 +190,167 @@ const EMIT_BINDINGS: &[Binding] = &[
     Binding::Write,
 ];
 
+/// Floats to lattice points. Bindings: sizes, raw floats, x, y, z.
+pub const WELD_CORNERS: Kernel = Kernel {
+    name: "weld_corners",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/wide.wgsl"),
+        include_str!("../shaders/shared/weld.wgsl"),
+        include_str!("../shaders/weld_corners.wgsl")
+    ),
+    bindings: &[Binding::Uniform, Binding::Read, Binding::Write, Binding::Write, Binding::Write],
+};
+
+/// First corner of every place, in a table. Bindings: sizes, x, y, z, table.
+pub const WELD_INSERT: Kernel = Kernel {
+    name: "weld_insert",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/wide.wgsl"),
+        include_str!("../shaders/shared/weld.wgsl"),
+        include_str!("../shaders/shared/corners.wgsl"),
+        include_str!("../shaders/weld_insert.wgsl")
+    ),
+    bindings: &[Binding::Uniform, Binding::Read, Binding::Read, Binding::Read, Binding::Write],
+};
+
+/// First corner at each corner's place. Bindings: sizes, x, y, z, table, first corners, whether new.
+pub const WELD_FIND: Kernel = Kernel {
+    name: "weld_find",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/wide.wgsl"),
+        include_str!("../shaders/shared/weld.wgsl"),
+        include_str!("../shaders/shared/corners.wgsl"),
+        include_str!("../shaders/weld_find.wgsl")
+    ),
+    bindings: &[
+        Binding::Uniform,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Write,
+        Binding::Write,
+    ],
+};
+
+/// Vertex ids of each facet. Bindings: sizes, first corners, numbers, ids, whether kept.
+pub const WELD_FACETS: Kernel = Kernel {
+    name: "weld_facets",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/weld.wgsl"),
+        include_str!("../shaders/weld_facets.wgsl")
+    ),
+    bindings: &[Binding::Uniform, Binding::Read, Binding::Read, Binding::Write, Binding::Write],
+};
+
+/// Unique vertices. Bindings: sizes, x, y, z, numbers, vertices.
+pub const WELD_VERTICES: Kernel = Kernel {
+    name: "weld_vertices",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/wide.wgsl"),
+        include_str!("../shaders/shared/weld.wgsl"),
+        include_str!("../shaders/shared/corners.wgsl"),
+        include_str!("../shaders/weld_vertices.wgsl")
+    ),
+    bindings: &[Binding::Uniform, Binding::Read, Binding::Read, Binding::Read, Binding::Read, Binding::Write],
+};
+
+/// Triangles that have not collapsed. Bindings: sizes, ids, places, triangles.
+pub const WELD_TRIANGLES: Kernel = Kernel {
+    name: "weld_triangles",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/weld.wgsl"),
+        include_str!("../shaders/weld_triangles.wgsl")
+    ),
+    bindings: &[Binding::Uniform, Binding::Read, Binding::Read, Binding::Write],
+};
+
+/// Digits of each block of keys. Bindings: sizes, keys, counts.
+pub const SORT_COUNT: Kernel = Kernel {
+    name: "sort_count",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/sort.wgsl"),
+        include_str!("../shaders/sort_count.wgsl")
+    ),
+    bindings: &[Binding::Uniform, Binding::Read, Binding::Write],
+};
+
+/// One pass of a radix sort. Bindings: sizes, keys, values, places, sorted keys, sorted values.
+pub const SORT_SCATTER: Kernel = Kernel {
+    name: "sort_scatter",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/sort.wgsl"),
+        include_str!("../shaders/sort_scatter.wgsl")
+    ),
+    bindings: &[
+        Binding::Uniform,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Write,
+        Binding::Write,
+    ],
+};
+
+/// Higher vertex and direction of each half-edge. Bindings: sizes, triangles, keys, values.
+pub const EDGE_KEYS: Kernel = Kernel {
+    name: "edge_keys",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/edges.wgsl"),
+        include_str!("../shaders/edge_keys.wgsl")
+    ),
+    bindings: &[Binding::Uniform, Binding::Read, Binding::Write, Binding::Write],
+};
+
+/// Lower vertex of each half-edge. Bindings: sizes, triangles, values, keys.
+pub const EDGE_LOWER_KEYS: Kernel = Kernel {
+    name: "edge_lower_keys",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/edges.wgsl"),
+        include_str!("../shaders/edge_lower_keys.wgsl")
+    ),
+    bindings: &[Binding::Uniform, Binding::Read, Binding::Read, Binding::Write],
+};
+
+/// Opposite of each half-edge. Bindings: sizes, triangles, sorted half-edges, twin.
+pub const EDGE_PAIRS: Kernel = Kernel {
+    name: "edge_pairs",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/edges.wgsl"),
+        include_str!("../shaders/edge_pairs.wgsl")
+    ),
+    bindings: &[Binding::Uniform, Binding::Read, Binding::Read, Binding::Write],
+};
+
 /// Every kernel of the crate.
 pub const fn sources() -> &'static [Kernel] {
-    &[SCAN_BLOCK, SCAN_ADD, SLICE_COUNT, SLICE_EMIT, SLICE_EMIT_EVEN]
+    &[
+        SCAN_BLOCK,
+        SCAN_ADD,
+        SORT_COUNT,
+        SORT_SCATTER,
+        WELD_CORNERS,
+        WELD_INSERT,
+        WELD_FIND,
+        WELD_FACETS,
+        WELD_VERTICES,
+        WELD_TRIANGLES,
+        EDGE_KEYS,
+        EDGE_LOWER_KEYS,
+        EDGE_PAIRS,
+        SLICE_COUNT,
+        SLICE_EMIT,
+        SLICE_EMIT_EVEN,
+    ]
 }

@@ -3,6 +3,8 @@
 //! Each test's name ends with the adapter it ran on. Without any adapter every test is shown as ignored;
 //! `MICROTOME_REQUIRE_GPU=1` makes that a failure. `MICROTOME_ADAPTER` picks by a part of the name.
 
+#[path = "gpu/build.rs"]
+mod build;
 #[path = "gpu/compare.rs"]
 mod compare;
 #[path = "gpu/faults.rs"]
@@ -68,7 +70,8 @@ fn main() -> ExitCode {
     let found = choose(&Selection::Named(asked.clone().unwrap_or_default()));
     let required = asked.is_some() || std::env::var("MICROTOME_REQUIRE_GPU").is_ok_and(|v| v == "1");
     let tests: Vec<Test> =
-        [scan::TESTS, wide::TESTS, slice::TESTS, limits::TESTS, faults::TESTS, files::TESTS].concat();
+        [scan::TESTS, wide::TESTS, slice::TESTS, build::TESTS, limits::TESTS, faults::TESTS, files::TESTS]
+            .concat();
     let trials = match found {
         Ok(adapter) => {
             let on = adapter.info.name.clone();

@@ -15,9 +15,9 @@ const LARGEST_BINDING: u64 = (1 << 31) - 256;
 /// Storage buffers that the largest kernel sees.
 const STORAGE_BUFFERS: u32 = 8;
 
-/// Memory that the invocations of a workgroup share in the largest kernel \[bytes\]; half of what every
-/// WebGPU device offers.
-const WORKGROUP_MEMORY: u32 = 32 * GROUP_SIZE;
+/// Memory that the invocations of a workgroup share in the largest kernel \[bytes\]; every WebGPU device
+/// offers 16 KiB.
+const WORKGROUP_MEMORY: u32 = 36 * GROUP_SIZE;
 
 /// How a device is opened. Tests lower the limits to reach the far side of each.
 #[derive(Clone, Copy, Debug)]
@@ -246,10 +246,16 @@ impl Device {
     }
 
     /// What is behind an error: on a lost device calls fail for strange reasons, and the true one arrives
-    /// with a poll.
+    /// with a poll, once what was under way has ended.
     pub(super) fn cause(&self, error: GpuError) -> GpuError {
-        self.poll(wgpu::PollType::Poll);
-        self.fault().err().unwrap_or(error)
+        let timeout = Some(self.watchdog.min(Duration::from_secs(2)));
+        for poll in [wgpu::PollType::Poll, wgpu::PollType::Wait { submission_index: None, timeout }] {
+            self.poll(poll);
+            if let Err(fault) = self.fault() {
+                return fault;
+            }
+        }
+        error
     }
 
     /// Lets wgpu deliver what has happened. `None` when the device was lost meanwhile: wgpu has no other

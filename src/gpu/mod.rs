@@ -10,6 +10,7 @@ pub mod dispatch;
 pub mod error;
 pub mod kernel;
 pub mod scan;
+pub mod sort;
 pub mod timing;
 
 pub use adapter::{AdapterInfo, Selection, adapters, choose};

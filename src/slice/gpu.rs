@@ -5,8 +5,10 @@
 
 mod flight;
 mod mesh;
+mod soup;
 
 pub use mesh::GpuMesh;
+pub use soup::{Arrays, Built};
 
 use super::Segments;
 use crate::gpu::timing::{CopyTimes, KernelTime};

@@ -14,7 +14,7 @@ use std::time::Instant;
 
 /// Mean planes per meeting triangle from which on invocations go by segments: neighbouring invocations
 /// then write neighbouring places.
-const MANY_PLANES: u64 = 8;
+const MANY_PLANES: u64 = 16;
 
 /// Triangles whose invocations run in step on common devices.
 const IN_STEP: usize = 32;
@@ -220,7 +220,7 @@ impl Pending {
 }
 
 /// Runs what is recorded when times are asked for, so that they are those of the kernels alone.
-fn kernels_alone<'d>(
+pub(super) fn kernels_alone<'d>(
     device: &'d Device,
     recording: Recording<'d>,
     begun: Instant,
@@ -318,7 +318,7 @@ mod tests {
         assert!(!spread_evenly(&offsets(&[0; 100])));
         assert!(!spread_evenly(&offsets(&[2; 100])));
         assert!(!spread_evenly(&offsets(&[0, 1, 1, 0].repeat(50))), "few planes are no matter");
-        assert!(spread_evenly(&offsets(&[9; 100])));
+        assert!(spread_evenly(&offsets(&[16; 100])));
         let mut uneven = [4; 64];
         uneven[9] = 40;
         uneven[50] = 30;

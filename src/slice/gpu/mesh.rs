@@ -36,6 +36,12 @@ impl GpuMesh {
         Self { vertices: Vec::new(), pieces: Vec::new(), triangles: 0 }
     }
 
+    /// A mesh of one piece.
+    pub(super) fn of(vertices: Buffer<Point3>, piece: Piece) -> Self {
+        let triangles = piece.range.len();
+        Self { vertices: vec![vertices], pieces: vec![piece], triangles }
+    }
+
     /// Number of triangles.
     pub const fn triangles(&self) -> usize {
         self.triangles
