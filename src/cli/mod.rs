@@ -3,6 +3,7 @@
 pub mod demo;
 pub mod devices;
 pub mod exit;
+pub mod mesh_args;
 pub mod options;
 pub mod progress;
 pub mod report;

@@ -4,6 +4,7 @@ pub mod backend;
 pub mod error;
 pub mod filament;
 mod gcode_text;
+pub mod open;
 pub mod output;
 pub mod part;
 pub mod progress;
