@@ -51,6 +51,7 @@ impl CliError {
                 | JobError::Place(_)
                 | JobError::Planes(_)
                 | JobError::Trace(_)
+                | JobError::NothingBelow { .. }
                 | JobError::Empty { .. } => 3,
                 JobError::Settings(_) | JobError::Template(_) => 4,
                 #[cfg(feature = "gpu")]

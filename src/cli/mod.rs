@@ -1,5 +1,6 @@
 //! The command line.
 
+pub mod below;
 pub mod demo;
 pub mod devices;
 pub mod exit;
@@ -29,6 +30,8 @@ enum Command {
     Slice(slice::SliceArgs),
     /// Slice the built-in part into demo.gcode and demo.png, and compare CPU and GPU
     Demo(demo::DemoArgs),
+    /// Cut a model off at a height: the part as printed so far, as STL
+    Below(below::BelowArgs),
     /// List the GPUs and say which one `--backend auto` would take, and why
     Devices(devices::DevicesArgs),
 }
@@ -67,6 +70,7 @@ fn run(command: &Command) -> Result<(), CliError> {
     match command {
         Command::Slice(args) => slice::run(args),
         Command::Demo(args) => demo::run(args),
+        Command::Below(args) => below::run(args),
         Command::Devices(args) => devices::run(args),
     }
 }

@@ -7,8 +7,13 @@ use std::path::PathBuf;
 
 /// Warnings on stderr, one line each; the same line only once.
 pub fn warnings(summary: &Summary) {
+    lines(&summary.warnings);
+}
+
+/// [`warnings`] for any list of them.
+pub fn lines(warnings: &[String]) {
     let mut err = io::stderr().lock();
-    for warning in &summary.warnings {
+    for warning in warnings {
         // Nobody is left to tell when stderr is closed.
         drop(writeln!(err, "warning: {warning}"));
     }

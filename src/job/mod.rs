@@ -1,6 +1,7 @@
 //! Where the stages are chained.
 
 pub mod backend;
+pub mod below;
 pub mod error;
 pub mod filament;
 mod gcode_text;

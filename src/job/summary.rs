@@ -80,7 +80,7 @@ pub struct OrientationSummary {
     pub turned_by_normals: u64,
     /// Triangles turned to agree with their neighbours and face outwards.
     pub turned_by_neighbours: u64,
-    /// Duplicate triangles dropped on that way.
+    /// Duplicate triangles dropped.
     pub duplicates_dropped: u64,
     /// Inside-out shells among others that were turned.
     pub shells_turned: u64,

@@ -2,7 +2,7 @@
 
 use super::audit::{Shells, audit_shells};
 use super::nesting::{self, Lies};
-use super::propagate::{flip, propagate};
+use super::propagate::{drop_duplicates, flip, propagate};
 use super::{Adjacency, Audit, Mesh, OPEN};
 
 /// Where the outside of a mesh is taken from.
@@ -27,7 +27,7 @@ pub struct Oriented {
     pub by_normals: u64,
     /// Triangles turned to agree with their neighbours, or to face outwards with them.
     pub by_neighbours: u64,
-    /// Duplicate triangles dropped on that way.
+    /// Duplicate triangles dropped.
     pub duplicates_dropped: u64,
     /// The whole mesh was inside out and was turned.
     pub inside_out: bool,
@@ -101,6 +101,9 @@ pub fn orient(part: &mut Audited, wish: Orient, facing: impl FnOnce() -> Option<
                 // Nothing was asked for, so nothing is missing.
                 done.no_normals = false;
             }
+            if part.audit.duplicate_triangles > 0 && part.audit.open_edges > 0 {
+                without_duplicates(part, &mut done);
+            }
             if part.audit.flipped_edges > 0 {
                 by_neighbours(part, true, &mut done);
             }
@@ -145,7 +148,19 @@ fn by_neighbours(part: &mut Audited, if_better: bool, done: &mut Oriented) {
     if !if_better || mended.audit.flipped_edges < part.audit.flipped_edges {
         *part = mended;
         done.by_neighbours = report.turned;
-        done.duplicates_dropped = report.duplicates;
+        done.duplicates_dropped += report.duplicates;
+    }
+}
+
+/// Drops facets that lie on others, where that leaves fewer open edges. A surplus facet has no
+/// neighbours, so its contours are open.
+fn without_duplicates(part: &mut Audited, done: &mut Oriented) {
+    let mut mesh = part.mesh.clone();
+    let dropped = drop_duplicates(&mut mesh);
+    let mended = Audited::new(mesh);
+    if mended.audit.open_edges < part.audit.open_edges {
+        *part = mended;
+        done.duplicates_dropped = dropped;
     }
 }
 

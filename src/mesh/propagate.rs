@@ -51,7 +51,9 @@ pub(super) fn flip(mesh: &mut Mesh, turn: &[bool]) {
     }
 }
 
-fn drop_duplicates(mesh: &mut Mesh) -> u64 {
+/// Keeps the first of all triangles with the same three vertices, either way round; returns how many
+/// were dropped.
+pub(super) fn drop_duplicates(mesh: &mut Mesh) -> u64 {
     let mut sets: Vec<([u32; 3], u32)> = mesh
         .triangles
         .iter()

@@ -5,6 +5,7 @@
 //! contour enters the triangle on that plane and, through the adjacency, the slot in which it goes
 //! on. No hash, no sort, no epsilon.
 
+pub mod below;
 pub mod chunk;
 pub mod cpu;
 pub mod crossing;

@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
 mod bad_input;
+mod below;
+mod faults;
 mod output;
 mod same_bytes;
 mod settings;
