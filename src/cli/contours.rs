@@ -1,6 +1,7 @@
 //! `microtome contours`.
 
 use super::exit::CliError;
+use super::mesh_args::MeshArgs;
 use super::options::RunArgs;
 use super::progress::Spinner;
 use super::report;
@@ -57,6 +58,9 @@ pub struct ContoursArgs {
     /// Keep the model's coordinates instead of dropping it onto the bed and centring it there
     #[arg(long)]
     pub no_place: bool,
+    /// How to deal with faults.
+    #[command(flatten)]
+    pub mesh: MeshArgs,
     /// How to run.
     #[command(flatten)]
     pub run: RunArgs,
@@ -96,6 +100,7 @@ pub fn run(args: &ContoursArgs) -> Result<(), CliError> {
             AlgorithmArg::Incremental => Algorithm::Incremental,
         },
         backend: args.run.backend(),
+        mesh: args.mesh.options(),
         format,
         scale: args.scale,
     };

@@ -7,6 +7,7 @@ use crate::job::JobError;
 use crate::job::backend::{Backend, BackendOptions};
 use crate::job::filament::{self, FilamentJob};
 use crate::job::output::{OutputError, OutputFile};
+use crate::job::part::MeshOptions;
 use crate::job::progress::Progress;
 use crate::job::summary::{Stopwatch, Summary};
 use crate::lattice::mm;
@@ -45,6 +46,7 @@ pub fn run(args: &DemoArgs) -> Result<(), CliError> {
     let on = |backend, adapter: Option<String>| FilamentJob {
         settings: &settings,
         placement: Placement::DropAndCentre,
+        mesh: MeshOptions::default(),
         backend: BackendOptions::new(backend, adapter, None),
         stem: "demo".to_owned(),
         date: super::source_date_epoch(),

@@ -63,6 +63,7 @@ impl CliError {
                 | JobError::Planes { .. }
                 | JobError::Trace(_)
                 | JobError::Direction(_)
+                | JobError::NothingBelow { .. }
                 | JobError::Empty { .. } => 3,
                 JobError::Settings(_)
                 | JobError::Template(_)

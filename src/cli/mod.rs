@@ -2,9 +2,11 @@
 
 pub mod bench;
 pub mod contours;
+pub mod below;
 pub mod demo;
 pub mod devices;
 pub mod exit;
+pub mod mesh_args;
 pub mod options;
 pub mod progress;
 pub mod report;
@@ -32,6 +34,8 @@ enum Command {
     Contours(contours::ContoursArgs),
     /// Slice the built-in part into demo.gcode and demo.png, and compare CPU and GPU
     Demo(demo::DemoArgs),
+    /// Cut a model off at a height: the part as printed so far, as STL
+    Below(below::BelowArgs),
     /// List the GPUs and say which one `--backend auto` would take, and why
     Devices(devices::DevicesArgs),
     /// Time slicing stage by stage: the literature's algorithms, the CPU, GPUs; compare what they give
@@ -87,6 +91,7 @@ fn run(command: &Command) -> Result<(), CliError> {
         Command::Slice(args) => slice::run(args),
         Command::Contours(args) => contours::run(args),
         Command::Demo(args) => demo::run(args),
+        Command::Below(args) => below::run(args),
         Command::Devices(args) => devices::run(args),
         Command::Bench(args) => bench::run(args),
     }

@@ -50,10 +50,15 @@ impl RunArgs {
 
     /// Sets the number of worker threads of the process; to be called once, before any work.
     pub fn set_threads(&self) {
-        if let Some(n) = self.threads {
-            // Fails only when the pool exists already, which a command never lets happen.
-            drop(rayon::ThreadPoolBuilder::new().num_threads(n.into()).build_global());
-        }
+        set_threads(self.threads);
+    }
+}
+
+/// Sets the number of worker threads of the process; to be called once, before any work.
+pub fn set_threads(threads: Option<u16>) {
+    if let Some(n) = threads {
+        // Fails only when the pool exists already, which a command never lets happen.
+        drop(rayon::ThreadPoolBuilder::new().num_threads(n.into()).build_global());
     }
 }
 

@@ -1,6 +1,7 @@
 //! `microtome slice`.
 
 use super::exit::CliError;
+use super::mesh_args::MeshArgs;
 use super::options::RunArgs;
 use super::progress::Spinner;
 use super::report;
@@ -29,6 +30,9 @@ pub struct SliceArgs {
     /// Keep the model's coordinates instead of dropping it onto the bed and centring it there
     #[arg(long)]
     pub no_place: bool,
+    /// Faulty meshes.
+    #[command(flatten)]
+    pub mesh: MeshArgs,
     /// How to run.
     #[command(flatten)]
     pub run: RunArgs,
@@ -50,6 +54,7 @@ pub fn run(args: &SliceArgs) -> Result<(), CliError> {
     let job = FilamentJob {
         settings: &settings,
         placement: if args.no_place { Placement::Keep } else { Placement::DropAndCentre },
+        mesh: args.mesh.options(),
         backend: args.run.backend(),
         stem: stem(&args.model),
         date: super::source_date_epoch(),

@@ -1,6 +1,7 @@
 //! Segments → closed loops, nesting, simplification.
 
 pub mod nest;
+pub mod cap;
 pub mod chains;
 mod edge;
 mod finish;

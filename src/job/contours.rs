@@ -2,11 +2,12 @@
 
 use super::JobError;
 use super::backend::{self, Backend, BackendOptions, Traced};
+use super::open::OpenContours;
 use super::output::{OutputError, OutputFile};
-use super::part::{self, Part};
+use super::part::{self, MeshOptions, Part, PartOptions};
 use super::progress::Progress;
 use super::summary::{BackendSummary, MeshSummary, StageTime, Stopwatch};
-use crate::contour::{self, LayerContours, TraceOptions};
+use crate::contour::{self, LayerContours};
 use crate::export::png::Raster;
 use crate::export::{self, Drawing, Format, Frame, Sheet};
 use crate::lattice::{NM_PER_MM, mm};
@@ -37,6 +38,8 @@ pub struct ContoursJob<'a> {
     pub algorithm: Algorithm,
     /// Where to intersect.
     pub backend: BackendOptions,
+    /// How faulty meshes are dealt with.
+    pub mesh: MeshOptions,
     /// What to write.
     pub format: Format,
     /// Pixels per millimetre of pictures.
@@ -68,6 +71,8 @@ pub struct ContoursSummary {
     pub contours: u64,
     /// Chains of successors that end at an open edge.
     pub open_chains: u64,
+    /// What became of the open chains.
+    pub open_contours: OpenContours,
     /// Per plane its height \[mm\].
     pub z_mm: Vec<f64>,
     /// Per plane the signed sum of its contours' areas \[mm²\].
@@ -107,8 +112,14 @@ pub fn run(
     let file_origin = loaded.mesh.origin;
     watch.stage("turn");
     loaded.mesh = job.direction.turn(loaded.mesh)?;
-    let printer = &job.settings.printer;
-    let part = part::prepare_any_size(loaded, &name, printer, job.placement, progress, &mut watch)?;
+    let options = PartOptions {
+        printer: &job.settings.printer,
+        placement: job.placement,
+        must_fit: false,
+        mesh: &job.mesh,
+        file: Some(model),
+    };
+    let part = part::prepare_with(loaded, &name, &options, progress, &mut watch)?;
     let Part { mesh, adjacency, summary: mesh_summary, mut warnings } = part;
 
     progress.stage("slicing");
@@ -121,13 +132,8 @@ pub fn run(
     warnings.extend(warning);
     let sum_of = |count: fn(&LayerContours) -> u32| found.iter().map(|l| u64::from(count(l))).sum();
     let (contours, open_chains) = (sum_of(|l| l.walked.closed), sum_of(|l| l.walked.open));
-    if open_chains > 0 {
-        let sum = contour::chains::sum(found.iter().map(|l| &l.open)).total;
-        warnings.push(format!(
-            "{name}: {open_chains} open contours: {} closed within the tolerance, {} closed by a straight line, {} left out; repair the mesh",
-            sum.matched, sum.forced, sum.dropped
-        ));
-    }
+    let open_contours = OpenContours::new(&found, &layers, mesh.origin);
+    warnings.extend(open_contours.warning(&name));
 
     progress.stage("writing");
     watch.stage("write");
@@ -149,6 +155,7 @@ pub fn run(
         segments,
         contours,
         open_chains,
+        open_contours,
         z_mm: layers.iter().map(|l| mm(l.slice_z)).collect(),
         areas_mm2: drawing.sheets.par_iter().map(Sheet::area_mm2).collect(),
         mesh: mesh_summary,
@@ -198,7 +205,7 @@ fn trace(
     planes: &[i32],
     job: &ContoursJob<'_>,
 ) -> Result<Traced, JobError> {
-    let options = TraceOptions::new(&job.settings.slicing);
+    let options = job.mesh.trace_options(&job.settings.slicing);
     let algorithm = job.algorithm;
     if algorithm == Algorithm::Main {
         return backend::contours(mesh, adjacency, planes, &job.backend, &options);

@@ -64,6 +64,18 @@ pub enum JobError {
         /// Width of the external wall \[mm\].
         width_mm: f64,
     },
+    /// The whole model lies above the height up to which it was asked for.
+    #[error(
+        "{model}: nothing lies under z = {z_mm} mm, the part begins at {bottom_mm} mm; use a greater --z"
+    )]
+    NothingBelow {
+        /// The model.
+        model: String,
+        /// The height \[mm\].
+        z_mm: f64,
+        /// Its lowest point \[mm\].
+        bottom_mm: f64,
+    },
     /// A setting is wrong.
     #[error(transparent)]
     Settings(#[from] SettingsError),

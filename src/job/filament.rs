@@ -4,10 +4,11 @@ use super::JobError;
 use super::backend::{self, BackendOptions};
 use super::error::WriteError;
 use super::gcode_text::GcodeText;
-use super::part::{self, Part};
+use super::open::OpenContours;
+use super::part::{self, MeshOptions, Part, PartOptions};
 use super::progress::Progress;
 use super::summary::{FilamentSummary, Stopwatch, Summary};
-use crate::contour::{LayerContours, Ring, TraceOptions};
+use crate::contour::{LayerContours, Ring};
 use crate::infill::FillLayer;
 use crate::lattice::{self, Point2};
 use crate::mesh::{self, Loaded, Placement};
@@ -18,7 +19,7 @@ use crate::region::{Island, areas};
 use crate::settings::Settings;
 use crate::settings::flow::{Flow, FlowRole};
 use crate::slice::planes::{self, LayerZ};
-use crate::{contour, gcode, infill, support};
+use crate::{gcode, infill, support};
 use rayon::prelude::*;
 use std::io::Write;
 use std::path::Path;
@@ -30,6 +31,8 @@ pub struct FilamentJob<'a> {
     pub settings: &'a Settings,
     /// Where the part goes on the bed.
     pub placement: Placement,
+    /// How faults of the mesh are dealt with.
+    pub mesh: MeshOptions,
     /// Where planes and triangles are intersected.
     pub backend: BackendOptions,
     /// The model's name without folder and extension, for templates and messages.
@@ -58,7 +61,7 @@ pub fn plan(path: &Path, job: &FilamentJob<'_>, progress: &dyn Progress) -> Resu
     progress.stage("reading");
     watch.stage("load");
     let loaded = mesh::load(path)?;
-    plan_mesh(loaded, &path.display().to_string(), job, progress, watch)
+    plan_loaded(loaded, &path.display().to_string(), Some(path), job, progress, watch)
 }
 
 /// [`plan`] for a mesh in memory; `name` stands for it in messages.
@@ -70,11 +73,29 @@ pub fn plan_mesh(
     name: &str,
     job: &FilamentJob<'_>,
     progress: &dyn Progress,
+    watch: Stopwatch,
+) -> Result<Planned, JobError> {
+    plan_loaded(loaded, name, None, job, progress, watch)
+}
+
+fn plan_loaded(
+    loaded: Loaded,
+    name: &str,
+    file: Option<&Path>,
+    job: &FilamentJob<'_>,
+    progress: &dyn Progress,
     mut watch: Stopwatch,
 ) -> Result<Planned, JobError> {
     let settings = job.settings;
     let mut warnings: Vec<String> = settings.validate()?.iter().map(ToString::to_string).collect();
-    let part = part::prepare(loaded, name, &settings.printer, job.placement, progress, &mut watch)?;
+    let options = PartOptions {
+        printer: &settings.printer,
+        placement: job.placement,
+        must_fit: true,
+        mesh: &job.mesh,
+        file,
+    };
+    let part = part::prepare_with(loaded, name, &options, progress, &mut watch)?;
     let Part { mesh, adjacency, summary: mesh_summary, warnings: found } = part;
     warnings.extend(found);
 
@@ -83,10 +104,11 @@ pub fn plan_mesh(
     let layers = planes::of_mesh(&mesh, settings)
         .map_err(|error| JobError::Planes { model: name.to_owned(), error })?;
     let planes = planes::plane_zs(&layers, mesh.origin[2]);
-    let options = TraceOptions::new(&settings.slicing);
+    let options = job.mesh.trace_options(&settings.slicing);
     let traced = backend::contours(&mesh, &adjacency, &planes, &job.backend, &options)?;
     warnings.extend(traced.warning);
-    open_chains(&traced.layers, &layers, mesh.origin, name, &mut warnings);
+    let open_contours = OpenContours::new(&traced.layers, &layers, mesh.origin);
+    warnings.extend(open_contours.warning(name));
     let triangles = mesh.triangles.len() as u64;
     let origin = mesh.origin;
     drop((mesh, adjacency));
@@ -121,6 +143,7 @@ pub fn plan_mesh(
         triangles,
         segments: traced.segments,
         contours,
+        open_contours,
         mesh: mesh_summary,
         filament: FilamentSummary::default(),
         bounds_mm: None,
@@ -260,33 +283,4 @@ fn assemble(
         skirt: if i < with_skirt { skirt.to_vec() } else { Vec::new() },
     };
     layers.into_iter().zip(islands.into_iter().zip(fills)).enumerate().map(join).collect()
-}
-
-/// Says what became of open contours.
-fn open_chains(
-    found: &[LayerContours],
-    layers: &[LayerZ],
-    origin: [i64; 3],
-    name: &str,
-    warnings: &mut Vec<String>,
-) {
-    let sum = contour::chains::sum(found.iter().map(|l| &l.open));
-    let total = sum.total;
-    if total.chains == 0 {
-        return;
-    }
-    let place = total.worst.map_or(String::new(), |gap| {
-        let [x, y] = [gap.at.x, gap.at.y].map(i64::from);
-        format!(
-            "; the widest gap is {:.3} mm at z = {:.3}, x = {:.3}, y = {:.3}",
-            lattice::mm(gap.length),
-            layers.get(sum.worst_layer).map_or(0.0, |l| lattice::mm(l.slice_z)),
-            lattice::mm(x + origin[0]),
-            lattice::mm(y + origin[1]),
-        )
-    });
-    warnings.push(format!(
-        "{name}: {} open contours on {} layers: {} closed within the tolerance, {} closed by a straight line, {} left out{place}; repair the mesh",
-        total.chains, sum.layers, total.matched, total.forced, total.dropped,
-    ));
 }

@@ -2,10 +2,12 @@
 
 pub mod backend;
 pub mod contours;
+pub mod below;
 pub mod error;
 pub mod filament;
 pub mod memory;
 mod gcode_text;
+pub mod open;
 pub mod output;
 pub mod part;
 pub mod progress;

@@ -1,5 +1,6 @@
 //! What a job did, for people and for programs. None of it reaches the output file.
 
+use super::open::OpenContours;
 use serde::Serialize;
 
 /// The machine-readable result of a job, printed by `--json`.
@@ -21,6 +22,8 @@ pub struct Summary {
     pub segments: u64,
     /// Contours after the walk.
     pub contours: u64,
+    /// What became of contours that did not close.
+    pub open_contours: OpenContours,
     /// What the mesh looked like.
     pub mesh: MeshSummary,
     /// What is extruded.
@@ -44,8 +47,10 @@ pub struct Summary {
 pub struct MeshSummary {
     /// Facets in the file.
     pub facets: u64,
-    /// Facets that collapsed on the lattice.
+    /// Facets that collapsed on the lattice, or on the snapping grid.
     pub collapsed: u64,
+    /// Vertices that fell together on the snapping grid.
+    pub snapped: u64,
     /// Edges without a partner.
     pub open_edges: u64,
     /// Edges with more than two triangles.
@@ -60,6 +65,25 @@ pub struct MeshSummary {
     pub volume_mm3: f64,
     /// Size \[mm\].
     pub size_mm: [f64; 3],
+    /// What was done about the orientation; the counts above are those after it.
+    pub orientation: OrientationSummary,
+}
+
+/// What was done about the orientation of facets.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct OrientationSummary {
+    /// Edges whose two triangles disagreed about the outside.
+    pub flipped_edges_before: u64,
+    /// The whole mesh was inside out and was turned.
+    pub inside_out: bool,
+    /// Triangles turned after their stored normals.
+    pub turned_by_normals: u64,
+    /// Triangles turned to agree with their neighbours and face outwards.
+    pub turned_by_neighbours: u64,
+    /// Duplicate triangles dropped.
+    pub duplicates_dropped: u64,
+    /// Inside-out shells among others that were turned.
+    pub shells_turned: u64,
 }
 
 /// What is extruded.

@@ -27,20 +27,86 @@ pub struct Audit {
     pub bounds: [[i64; 3]; 2],
 }
 
+/// The pieces of a mesh that are connected over paired edges.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Shells {
+    /// Per triangle the number of its shell; shells are numbered by their first triangle. Empty where
+    /// there is one shell at most.
+    pub of: Vec<u32>,
+    /// Per shell six times its signed volume \[nm³\], as [`Audit::volume_mm3`]. At least one entry.
+    pub volume6: Vec<i128>,
+}
+
 /// Examines a mesh with its adjacency.
 pub fn audit(mesh: &Mesh, adjacency: &Adjacency) -> Audit {
-    let (edges, (shells, volume6)) =
-        rayon::join(|| edges(mesh, adjacency), || (shells(adjacency), volume6(mesh)));
-    Audit {
+    audit_shells(mesh, adjacency).0
+}
+
+/// [`audit`], and the shells that it found.
+pub fn audit_shells(mesh: &Mesh, adjacency: &Adjacency) -> (Audit, Shells) {
+    let (edges, (count, shells)) = rayon::join(
+        || edges(mesh, adjacency),
+        || {
+            let (count, parent) = shells(adjacency);
+            let found = match count {
+                0 | 1 => Shells { of: Vec::new(), volume6: vec![volume6(mesh)] },
+                _ => {
+                    let of = numbered(parent);
+                    let volume6 = volumes6(mesh, &of, count as usize);
+                    Shells { of, volume6 }
+                }
+            };
+            (count, found)
+        },
+    );
+    let volume6: i128 = shells.volume6.iter().sum();
+    let audit = Audit {
         triangles: mesh.triangles.len() as u64,
         open_edges: adjacency.twin.iter().filter(|&&t| t == OPEN).count() as u64,
         over_shared_edges: edges.over_shared,
         flipped_edges: edges.flipped,
         duplicate_triangles: edges.duplicates,
-        shells,
+        shells: count,
         volume_mm3: volume6 as f64 / (6.0 * NM_PER_MM * NM_PER_MM * NM_PER_MM),
         bounds: mesh.world_bounds().unwrap_or_default(),
+    };
+    (audit, shells)
+}
+
+/// Per piece of a mesh six times its signed volume \[nm³\]; `of` gives each triangle's piece, below
+/// `pieces`.
+pub(super) fn volumes6(mesh: &Mesh, of: &[u32], pieces: usize) -> Vec<i128> {
+    let add = |mut sums: Vec<i128>, (triangles, of): (&[[u32; 3]], &[u32])| {
+        for (t, &piece) in triangles.iter().zip(of) {
+            sums[piece as usize] += determinant(mesh, t);
+        }
+        sums
+    };
+    let none = || vec![0i128; pieces];
+    // One list of sums per task pays while it is short against the task.
+    if pieces > 1 << 12 {
+        return add(none(), (&mesh.triangles, of));
     }
+    mesh.triangles.par_chunks(1 << 16).zip(of.par_chunks(1 << 16)).fold(none, add).reduce(none, |mut a, b| {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        a
+    })
+}
+
+/// Union-find parents, each at most its triangle, to numbers from 0 by first triangle.
+pub(super) fn numbered(mut parent: Vec<u32>) -> Vec<u32> {
+    let mut next = 0;
+    for t in 0..parent.len() {
+        let up = parent[t] as usize;
+        // What is before `t` is a number already.
+        parent[t] = if up == t {
+            next += 1;
+            next - 1
+        } else {
+            parent[up]
+        };
+    }
+    parent
 }
 
 /// Six times the signed volume \[nm³\], exact: the sum of a · (b × c) over the triangles (Gauss).
@@ -63,7 +129,8 @@ fn determinant(mesh: &Mesh, t: &[u32; 3]) -> i128 {
 
 /// Pieces connected over paired edges, by union-find (Tarjan 1975) with path halving: every union of
 /// two pieces makes one less. In file order neighbours are mostly at hand in the cache.
-fn shells(adjacency: &Adjacency) -> u64 {
+/// Returns their number, and a parent for each triangle, never above the triangle.
+fn shells(adjacency: &Adjacency) -> (u64, Vec<u32>) {
     let triangles = (adjacency.twin.len() / 3) as u32;
     let mut parent: Vec<u32> = (0..triangles).collect();
     let mut shells = u64::from(triangles);
@@ -81,7 +148,7 @@ fn shells(adjacency: &Adjacency) -> u64 {
             }
         }
     }
-    shells
+    (shells, parent)
 }
 
 fn find(parent: &mut [u32], mut t: u32) -> u32 {

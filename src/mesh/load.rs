@@ -172,7 +172,7 @@ fn index(
 }
 
 /// UTF-16 text behind its byte order mark as UTF-8; what is not text becomes U+FFFD.
-fn utf8(bytes: &[u8], big_endian: bool) -> String {
+pub(super) fn utf8(bytes: &[u8], big_endian: bool) -> String {
     let (pairs, _) = bytes[2..].as_chunks::<2>();
     let unit =
         |pair: &[u8; 2]| if big_endian { u16::from_be_bytes(*pair) } else { u16::from_le_bytes(*pair) };

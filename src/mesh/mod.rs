@@ -11,13 +11,18 @@ mod bad_input;
 pub mod demo_part;
 mod detect;
 pub mod error;
+pub mod facing;
 mod frame;
 pub mod load;
+mod nesting;
+pub mod orient;
 pub mod place;
+mod propagate;
 #[cfg(test)]
 mod random;
 pub mod repair;
 pub mod shapes;
+pub mod snap;
 mod stl;
 pub mod stl_write;
 mod weld;

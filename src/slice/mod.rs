@@ -6,6 +6,7 @@
 //! on. No hash, no sort, no epsilon.
 
 pub mod adaptive;
+pub mod below;
 pub mod chunk;
 pub mod classic;
 pub mod cpu;

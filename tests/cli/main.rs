@@ -4,6 +4,8 @@
 mod bad_input;
 mod golden;
 mod contours;
+mod below;
+mod faults;
 mod output;
 mod same_bytes;
 mod settings;

@@ -81,6 +81,32 @@ pub(in crate::mesh) fn line_of_corner(text: &[u8], facet: usize, corner: usize) 
     line(text, text.len())
 }
 
+/// The stored normals of a text that was read without a fault, one per facet; what is no number is
+/// NaN, what is missing 0.
+pub(in crate::mesh) fn normals(text: &[u8]) -> Vec<[f32; 3]> {
+    let mut words = Words { text, at: 0 };
+    let mut normals = Vec::new();
+    while let Some((word, _)) = words.next() {
+        if is(word, "solid") || is(word, "endsolid") {
+            words.skip_name();
+        } else if is(word, "facet") {
+            let mut normal = [0.0; 3];
+            words.next();
+            for number in &mut normal {
+                match words.next() {
+                    Some((word, _)) if !is(word, "outer") => {
+                        let parsed = std::str::from_utf8(word).ok().and_then(|w| w.parse().ok());
+                        *number = parsed.unwrap_or(f32::NAN);
+                    }
+                    _ => break,
+                }
+            }
+            normals.push(normal);
+        }
+    }
+    normals
+}
+
 impl Soup for Ascii {
     fn len(&self) -> usize {
         self.facets.len()

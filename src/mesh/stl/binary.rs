@@ -31,6 +31,14 @@ pub(in crate::mesh) fn parse(bytes: &[u8]) -> Result<Binary<'_>, Truncated> {
     Ok(Binary { facets, trailing: (body.len() - facets.len() * FACET) as u64 })
 }
 
+impl Binary<'_> {
+    /// The stored normal of a facet, whatever it is.
+    pub(in crate::mesh) fn normal(&self, index: usize) -> [f32; 3] {
+        let bytes = &self.facets[index];
+        [0, 4, 8].map(|at| f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]))
+    }
+}
+
 impl Soup for Binary<'_> {
     fn len(&self) -> usize {
         self.facets.len()
