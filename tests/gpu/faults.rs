@@ -88,6 +88,7 @@ fn gcode(bench: &Bench) -> Result<(), Failed> {
     let settings = Settings::default();
     let write = |backend: BackendOptions| -> Result<(Vec<u8>, Summary), JobError> {
         let job = FilamentJob {
+            mesh: microtome::job::part::MeshOptions::default(),
             settings: &settings,
             placement: Placement::DropAndCentre,
             backend,
