@@ -25,7 +25,8 @@ const DOUBT: f64 = 0.5 - 1.0 / (1 << 20) as f64;
 
 impl Edge {
     pub(super) fn new(low: Point3, high: Point3, half_edge: u32) -> Self {
-        let difference = |to: i32, from: i32| (i64::from(to) - i64::from(from)) as f64;
+        // Below 2^31, as coordinates are below 2^30.
+        let difference = |to: i32, from: i32| f64::from(to.wrapping_sub(from));
         let dz = difference(high.z, low.z);
         let slope = [difference(high.x, low.x) / dz, difference(high.y, low.y) / dz];
         Self { slope, low, top: high.z, half_edge }
@@ -38,14 +39,8 @@ impl Edge {
     pub(super) fn cut(&self, z: i32) -> (Point2, bool) {
         // Below 2^31 for every plane that crosses the edge.
         let rise = f64::from(z.wrapping_sub(self.low.z));
-        let along = |from: i32, slope: f64| {
-            let exact = slope * rise;
-            let lifted = exact + ROUND;
-            let off = (exact - (lifted - ROUND)).abs();
-            (from.wrapping_add(lifted.to_bits() as i32), off < DOUBT)
-        };
-        let (x, certain_x) = along(self.low.x, self.slope[0]);
-        let (y, certain_y) = along(self.low.y, self.slope[1]);
+        let (x, certain_x) = along(self.low.x, self.slope[0] * rise);
+        let (y, certain_y) = along(self.low.y, self.slope[1] * rise);
         (Point2::new(x, y), certain_x & certain_y)
     }
 
@@ -56,13 +51,31 @@ impl Edge {
     }
 }
 
+/// The point of [`crossing::point`] on an edge that is cut but once, for one division.
+#[inline(always)]
+pub(super) fn cut(low: Point3, high: Point3, z: i32) -> Point2 {
+    let difference = |to: i32, from: i32| f64::from(to.wrapping_sub(from));
+    let part = difference(z, low.z) / difference(high.z, low.z);
+    let (x, certain_x) = along(low.x, part * difference(high.x, low.x));
+    let (y, certain_y) = along(low.y, part * difference(high.y, low.y));
+    if certain_x & certain_y { Point2::new(x, y) } else { crossing::point(low, high, z) }
+}
+
+/// A coordinate moved by an estimate, and whether it is certain.
+#[inline(always)]
+fn along(from: i32, estimate: f64) -> (i32, bool) {
+    let lifted = estimate + ROUND;
+    let off = (estimate - (lifted - ROUND)).abs();
+    (from.wrapping_add(lifted.to_bits() as i32), off < DOUBT)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::lattice::LIMIT;
 
     /// The point, and whether the estimate sufficed.
-    fn cut(low: Point3, high: Point3, z: i32) -> (Point2, bool) {
+    fn prepared(low: Point3, high: Point3, z: i32) -> (Point2, bool) {
         let edge = Edge::new(low, high, 0);
         let (p, certain) = edge.cut(z);
         if certain { (p, true) } else { (edge.cut_exactly(high, z), false) }
@@ -87,9 +100,10 @@ mod tests {
             let z = [random(30), low.z + 1, high.z, (low.z + high.z) / 2][i % 4];
             if low.z < z && z <= high.z {
                 compared += 1;
-                let (p, sure) = cut(low, high, z);
+                let (p, sure) = prepared(low, high, z);
                 certain += i32::from(sure);
-                assert_eq!(p, crossing::point(low, high, z), "{low:?} {high:?} {z}");
+                let exact = crossing::point(low, high, z);
+                assert_eq!((p, cut(low, high, z)), (exact, exact), "{low:?} {high:?} {z}");
             }
         }
         assert!(compared > 1_000_000 && certain > compared / 2, "{certain} of {compared}");
@@ -104,9 +118,10 @@ mod tests {
                 let rises = (1..=dz.min(40)).chain([dz / 2, dz / 2 + 1, dz - 1, dz]);
                 for rise in rises.filter(|&rise| rise > 0 && rise <= dz) {
                     let (low, high) = (Point3::new(-m, dx - m, -m), Point3::new(dx - m, -m, dz - m));
-                    let (p, sure) = cut(low, high, rise - m);
+                    let (p, sure) = prepared(low, high, rise - m);
                     doubtful += i32::from(!sure);
-                    assert_eq!(p, crossing::point(low, high, rise - m), "{dx} {dz} {rise}");
+                    let exact = crossing::point(low, high, rise - m);
+                    assert_eq!((p, cut(low, high, rise - m)), (exact, exact), "{dx} {dz} {rise}");
                 }
             }
         }

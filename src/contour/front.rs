@@ -10,8 +10,8 @@
 use super::edge::Edge;
 use super::finish::Finish;
 use super::ring;
+use super::spans::{Buckets, Span};
 use super::surface::{Crossing, Surface};
-use super::sweep::{Buckets, Span};
 use crate::lattice::Point2;
 use crate::slice::crossing;
 use std::ops::Range;
@@ -23,7 +23,7 @@ pub(super) struct Front<'a> {
     run: Range<usize>,
     /// Triangles by the plane where they begin.
     begin: Buckets,
-    /// Per triangle one more than the plane (counted in the run) whose walk passed it last.
+    /// Per triangle one more than the plane whose walk passed it last.
     seen: Vec<u32>,
     loops: Vec<Loop>,
     /// Triangles of the open chains of the last plane.
@@ -51,21 +51,23 @@ enum Walked {
 }
 
 impl<'a> Front<'a> {
-    /// `lists` hold the spans that meet the run, and maybe others.
+    /// `lists` hold the spans that meet the run, and maybe others; `seen` has a word per triangle, zero or
+    /// left by another run.
     pub(super) fn new(
         surface: Surface<'a>,
         planes: &'a [i32],
         lists: &[Vec<Span>],
         run: Range<usize>,
+        seen: Vec<u32>,
     ) -> Self {
-        let (from, to) = (run.start as u32, run.end as u32);
-        let spans = || lists.iter().flatten().filter(|s| s.first < to && s.end > from);
+        let from = run.start as u32;
+        let spans = || lists.iter().flatten().filter(|s| s.meets(&run));
         Self {
             surface,
             planes,
             begin: Buckets::new(run.len(), || spans().map(|s| (s.first.max(from) - from, s.triangle))),
             run,
-            seen: vec![0; surface.corners.len() / 3],
+            seen,
             loops: Vec::new(),
             chained: Vec::new(),
             before: Vec::new(),
@@ -73,10 +75,17 @@ impl<'a> Front<'a> {
         }
     }
 
+    /// Gives the words back.
+    pub(super) fn into_words(self) -> Vec<u32> {
+        self.seen
+    }
+
     /// Hands the contours of plane `k` to `finish`; to be called for all planes of the run in order.
     pub(super) fn plane(&mut self, k: usize, finish: &mut Finish<'_>) {
         let here = k - self.run.start;
-        let (z, stamp) = (self.planes[k], here as u32 + 1);
+        // Planes differ between runs, so what another run left does not matter.
+        let (z, stamp) = (self.planes[k], k as u32 + 1);
+        self.surface.touch(self.begin.of(here));
         let chained = std::mem::take(&mut self.chained);
         for i in 0..self.loops.len() {
             if self.loops[i].top < z {

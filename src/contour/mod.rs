@@ -6,18 +6,19 @@ pub mod chains;
 mod edge;
 mod finish;
 mod front;
+mod layered;
 mod mate;
 pub mod ring;
 #[cfg(test)]
 mod same_bytes;
 pub mod simplify;
+mod spans;
 mod surface;
-mod sweep;
 pub mod trace;
 pub mod walk;
 
 pub use trace::{LayerContours, TraceError, TraceOptions, Walked, trace};
-pub use walk::contours_of;
+pub use walk::{contours_of, count_cycles};
 
 use crate::lattice::Point2;
 

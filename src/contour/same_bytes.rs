@@ -1,8 +1,9 @@
 //! Every route from a mesh to its contours gives the bytes of the walk over the twin's segments.
 #![allow(clippy::unwrap_used)]
 
+use super::spans;
 use super::trace::{self, LayerContours, Route, TraceOptions};
-use super::walk::contours_of;
+use super::walk::{contours_of, count_cycles};
 use crate::lattice::Point3;
 use crate::mesh::{Adjacency, Mesh, shapes};
 use crate::slice::cpu;
@@ -40,6 +41,12 @@ fn check(name: &str, mesh: &Mesh, planes: &[i32]) -> usize {
             }
         }
     }
+    let (closed, open) = count_cycles(&segments);
+    let rings = traced(mesh, &adjacency, planes, &RAW, Route::Front, 1);
+    // Chains without length are no chains.
+    assert!(open >= rings.iter().map(|l| u64::from(l.open.chains)).sum(), "{name}");
+    // Contours that shrink to a point or a line are cycles, but no rings.
+    assert!(open > 0 || closed >= rings.iter().map(|l| l.rings.len() as u64).sum::<u64>(), "{name}");
     segments.start.len()
 }
 
@@ -51,7 +58,7 @@ fn traced(
     route: Route,
     parts: usize,
 ) -> Vec<LayerContours> {
-    let spans = trace::spans(mesh, planes, 1).unwrap();
+    let spans = spans::spans(mesh, planes, 1).unwrap();
     let step = planes.len().div_ceil(parts).max(1);
     let runs: Vec<_> =
         (0..planes.len()).step_by(step).map(|from| from..planes.len().min(from + step)).collect();

@@ -26,6 +26,20 @@ impl<'a> Surface<'a> {
         Self { vertices: &mesh.vertices, corners: mesh.triangles.as_flattened(), twin: &adjacency.twin }
     }
 
+    /// Reads what a walk will need of some triangles. The walk waits for each read before it knows the
+    /// next; these wait for none, so the caches fill several times faster.
+    pub(super) fn touch(&self, triangles: &[u32]) {
+        let mut sum = 0;
+        for &t in triangles {
+            let edge = 3 * t as usize;
+            sum ^= self.twin[edge];
+            for &vertex in &self.corners[edge..edge + 3] {
+                sum ^= self.vertices[vertex as usize].x as u32;
+            }
+        }
+        std::hint::black_box(sum);
+    }
+
     /// The vertex from which a half-edge runs.
     #[inline(always)]
     pub(super) fn corner(&self, half_edge: usize) -> Point3 {
@@ -34,8 +48,9 @@ impl<'a> Surface<'a> {
 
     /// Where the contour enters a triangle that plane `z` meets.
     pub(super) fn entry(&self, triangle: usize, z: i32) -> Crossing {
-        let corner = [0, 1, 2].map(|i| self.corner(3 * triangle + i));
-        let (down, _) = down_up(corner.map(|c| c.z), z);
+        let first = 3 * triangle;
+        let corner = [self.corner(first), self.corner(first + 1), self.corner(first + 2)];
+        let (down, _) = down_up([corner[0].z, corner[1].z, corner[2].z], z);
         Crossing { edge: 3 * triangle + down, below: corner[(down + 1) % 3], above: corner[down] }
     }
 

@@ -1,7 +1,6 @@
 //! The CPU backend: mesh × planes → contours, without segments in between.
 //!
-//! A plane's contours are followed from triangle to triangle through the adjacency; only the set of
-//! triangles that the plane meets is kept, and updated from plane to plane. The points are those of
+//! There are two routes, for meshes of many planes per triangle and of few. The points are those of
 //! [`crate::slice::cpu`] in the same cyclic order, so after the common finish the bytes are those of
 //! [`super::walk::contours_of`].
 
@@ -9,14 +8,15 @@ use super::Ring;
 use super::chains::OpenReport;
 use super::finish::Finish;
 use super::front::Front;
+use super::layered::Layered;
+use super::spans::{self, Span};
 use super::surface::Surface;
-use super::sweep::{Span, Sweep};
 use crate::lattice::nm;
 use crate::mesh::{Adjacency, Mesh};
 use crate::settings::SlicingSettings;
-use crate::slice::chunk;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Mutex;
 use thiserror::Error;
 
 /// How contours are finished.
@@ -27,8 +27,11 @@ pub struct TraceOptions {
     pub simplify_tolerance: Option<i64>,
     /// Gaps in open contours are closed up to this \[nm\]; see [`super::chains::close`].
     pub match_tolerance: i64,
-    /// Bytes that listing a triangle in several runs of planes may cost, beyond some 24 per triangle;
-    /// a small budget costs parallelism, never the result.
+    /// Bytes for the segments of the runs of planes in hand, and for listing triangles that several runs
+    /// meet. Not in it: mesh, adjacency and contours; at most 28 bytes per triangle and 4 per
+    /// triangle and thread, which every trace needs; 40 per segment of the single plane in hand. A plane
+    /// or a triangle's lists beyond the budget are still worked on, one after the other. A small
+    /// budget costs time, never the result.
     pub memory_budget: u64,
 }
 
@@ -116,29 +119,38 @@ pub fn trace(
 ) -> Result<Vec<LayerContours>, TraceError> {
     check(mesh, adjacency, planes)?;
     let threads = rayon::current_num_threads();
-    let spans = spans(mesh, planes, threads)?;
-    let per_plane = per_plane(&spans, planes.len());
-    let runs = runs(&per_plane, threads, options.memory_budget);
+    let spans = spans::spans(mesh, planes, threads)?;
+    let per_plane = spans::per_plane(&spans, planes.len());
     let route = Route::of(spans.iter().map(Vec::len).sum(), per_plane.iter().sum());
+    let runs = spans::runs(&per_plane, threads, route.segment_bytes(), options.memory_budget);
     Ok(trace_runs(mesh, adjacency, planes, options, spans, &runs, route))
 }
 
 /// The ways from a run of planes to its contours. They give the same points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Route {
-    /// Every plane from its set of triangles: [`Sweep`].
-    Sweep,
+    /// All segments before the walk: [`Layered`].
+    Layered,
     /// Contours kept from plane to plane: [`Front`].
     Front,
 }
 
 impl Route {
     #[cfg(test)]
-    pub(super) const ALL: [Self; 2] = [Self::Sweep, Self::Front];
+    pub(super) const ALL: [Self; 2] = [Self::Layered, Self::Front];
 
     /// The quicker one for a number of triangles that meet planes, and of segments.
     fn of(triangles: usize, segments: u64) -> Self {
-        if segments >= 3 * triangles as u64 { Self::Front } else { Self::Sweep }
+        if segments >= 3 * triangles as u64 { Self::Front } else { Self::Layered }
+    }
+
+    /// Bytes that each segment of a run takes while the run is in hand.
+    fn segment_bytes(self) -> u64 {
+        match self {
+            Self::Layered => Layered::SEGMENT_BYTES,
+            // Edges of one plane only.
+            Self::Front => 0,
+        }
     }
 }
 
@@ -159,111 +171,6 @@ fn check(mesh: &Mesh, adjacency: &Adjacency, planes: &[i32]) -> Result<(), Trace
     }
 }
 
-/// The planes that each triangle meets, for those that meet any, in blocks of consecutive triangles.
-pub(super) fn spans(mesh: &Mesh, planes: &[i32], threads: usize) -> Result<Vec<Vec<Span>>, TraceError> {
-    // How many planes lie at or below each vertex: half the searches that triangles would need.
-    let search = PlaneSearch::new(planes);
-    let level: Vec<u32> =
-        mesh.vertices.par_iter().with_min_len(1 << 12).map(|v| search.at_or_below(v.z)).collect();
-    let block = (mesh.triangles.len() / (4 * threads)).max(1 << 14);
-    mesh.triangles
-        .par_chunks(block)
-        .enumerate()
-        .map(|(b, triangles)| {
-            let mut spans = Vec::new();
-            for (t, corners) in (b * block..).zip(triangles) {
-                let [a, b, c] = *corners;
-                let get = |v: u32| level.get(v as usize).copied();
-                let (Some(a), Some(b), Some(c)) = (get(a), get(b), get(c)) else {
-                    return Err(missing_vertex(t, *corners, level.len()));
-                };
-                let (first, end) = (a.min(b).min(c), a.max(b).max(c));
-                if first < end {
-                    spans.push(Span { triangle: t as u32, first, end });
-                }
-            }
-            Ok(spans)
-        })
-        .collect()
-}
-
-fn missing_vertex(triangle: usize, corners: [u32; 3], vertices: usize) -> TraceError {
-    let vertex = corners[0].max(corners[1]).max(corners[2]);
-    TraceError::Vertex { triangle, vertex, vertices }
-}
-
-/// Counts planes at or below a height, from a table of evenly spaced cells.
-struct PlaneSearch<'a> {
-    planes: &'a [i32],
-    base: i64,
-    shift: u32,
-    /// Per cell the number of planes below it; one more entry than cells.
-    below: Vec<u32>,
-}
-
-impl<'a> PlaneSearch<'a> {
-    fn new(planes: &'a [i32]) -> Self {
-        let base = planes.first().map_or(0, |&z| i64::from(z));
-        let extent = planes.last().map_or(0, |&z| i64::from(z)) - base;
-        // About two cells per plane.
-        let wanted = 2 * planes.len() as i64 + 1;
-        let shift = (0..40).find(|s| extent >> s < wanted).unwrap_or(40);
-        let cells = (extent >> shift) + 1;
-        let below = (0..=cells)
-            .map(|cell| planes.partition_point(|&z| i64::from(z) < base + (cell << shift)) as u32)
-            .collect();
-        Self { planes, base, shift, below }
-    }
-
-    fn at_or_below(&self, z: i32) -> u32 {
-        let above_base = i64::from(z) - self.base;
-        if above_base < 0 {
-            return 0;
-        }
-        let cell = (above_base >> self.shift) as usize;
-        match self.below.get(cell..cell + 2) {
-            Some(&[from, to]) => {
-                let within = &self.planes[from as usize..to as usize];
-                from + within.partition_point(|&plane| plane <= z) as u32
-            }
-            _ => self.planes.len() as u32,
-        }
-    }
-}
-
-/// Number of segments on each plane.
-fn per_plane(spans: &[Vec<Span>], planes: usize) -> Vec<u64> {
-    let mut step = vec![0i64; planes + 1];
-    for span in spans.iter().flatten() {
-        step[span.first as usize] += 1;
-        step[span.end as usize] -= 1;
-    }
-    let mut now = 0;
-    step[..planes]
-        .iter()
-        .map(|d| {
-            now += d;
-            now as u64
-        })
-        .collect()
-}
-
-/// Runs of planes of about equal work, several per thread; fewer where triangles that span several
-/// runs would be listed so often that the lists exceed the budget.
-fn runs(per_plane: &[u64], threads: usize, memory_budget: u64) -> Vec<Range<usize>> {
-    let total: u64 = per_plane.iter().sum();
-    let mut parts = if threads == 1 { 1 } else { 8 * threads as u64 };
-    loop {
-        let runs = chunk::runs(per_plane, (total / parts).max(1));
-        // A triangle is listed again for every border of a run that it crosses.
-        let again: u64 = runs.iter().skip(1).map(|r| per_plane[r.start].min(per_plane[r.start - 1])).sum();
-        if parts == 1 || again * size_of::<Span>() as u64 <= memory_budget {
-            return runs;
-        }
-        parts /= 2;
-    }
-}
-
 /// [`trace`] for given runs, which cover all planes in order.
 pub(super) fn trace_runs(
     mesh: &Mesh,
@@ -275,60 +182,41 @@ pub(super) fn trace_runs(
     route: Route,
 ) -> Vec<LayerContours> {
     let surface = Surface::new(mesh, adjacency);
+    // A word per triangle, left by one run to the next: no more of them than threads.
+    let scratch = Mutex::new(Vec::new());
     let trace_run = |lists: &[Vec<Span>], run: &Range<usize>| {
         let mut finish = Finish::new(options);
         let mut layers = Vec::with_capacity(run.len());
-        match route {
-            Route::Sweep => {
-                let mut sweep = Sweep::new(surface, planes, lists, run.clone());
+        let words = scratch.lock().ok().and_then(|mut free| free.pop());
+        let words = words.unwrap_or_else(|| vec![0; mesh.triangles.len()]);
+        let words = match route {
+            Route::Layered => {
+                let mut layered = Layered::new(surface, planes, lists, run.clone(), words);
                 for k in run.clone() {
-                    sweep.plane(k, &mut finish);
+                    layered.plane(k, &mut finish);
                     layers.push(finish.layer());
                 }
+                layered.into_words()
             }
             Route::Front => {
-                let mut front = Front::new(surface, planes, lists, run.clone());
+                let mut front = Front::new(surface, planes, lists, run.clone(), words);
                 for k in run.clone() {
                     front.plane(k, &mut finish);
                     layers.push(finish.layer());
                 }
+                front.into_words()
             }
+        };
+        if let Ok(mut free) = scratch.lock() {
+            free.push(words);
         }
         layers
     };
     if let [run] = runs {
         return trace_run(&spans, run);
     }
-    let lists = by_run(spans, planes.len(), runs);
+    let lists = spans::by_run(spans, planes.len(), runs);
     let layers: Vec<_> =
         runs.par_iter().zip(lists).with_max_len(1).map(|(run, lists)| trace_run(&lists, run)).collect();
     layers.into_iter().flatten().collect()
-}
-
-/// Per run its lists of spans.
-fn by_run(spans: Vec<Vec<Span>>, planes: usize, runs: &[Range<usize>]) -> Vec<Vec<Vec<Span>>> {
-    let mut run_of = vec![0u32; planes];
-    for (r, run) in runs.iter().enumerate() {
-        run_of[run.clone()].fill(r as u32);
-    }
-    let blocks: Vec<Vec<Vec<Span>>> = spans
-        .into_par_iter()
-        .map(|block| {
-            let mut lists = vec![Vec::new(); runs.len()];
-            for span in block {
-                let (from, to) = (run_of[span.first as usize], run_of[span.end as usize - 1]);
-                for list in &mut lists[from as usize..=to as usize] {
-                    list.push(span);
-                }
-            }
-            lists
-        })
-        .collect();
-    let mut per_run = vec![Vec::with_capacity(blocks.len()); runs.len()];
-    for block in blocks {
-        for (lists, list) in per_run.iter_mut().zip(block) {
-            lists.push(list);
-        }
-    }
-    per_run
 }

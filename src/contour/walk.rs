@@ -34,6 +34,44 @@ pub fn contours_of(
         .collect()
 }
 
+/// Closed successor cycles and open chains among the segments of a run of planes: the contours as they
+/// are before segments without length are removed and gaps are closed.
+///
+/// Links that lead nowhere, or to a segment that has a predecessor already, count as open.
+pub fn count_cycles(segments: &Segments) -> (u64, u64) {
+    let count = segments.next.len();
+    let mut entered = vec![false; count];
+    let mut open = 0;
+    for &next in &segments.next {
+        match entered.get_mut(next as usize) {
+            Some(entered) if !*entered => *entered = true,
+            _ => open += 1,
+        }
+    }
+    // Chains begin where nothing leads to; what they do not reach is cycles.
+    let mut taken = vec![false; count];
+    for head in (0..count).filter(|&i| !entered[i]) {
+        follow_links(segments, head, &mut taken);
+    }
+    let mut closed = 0;
+    for i in 0..count {
+        if !taken[i] {
+            closed += 1;
+            follow_links(segments, i, &mut taken);
+        }
+    }
+    (closed, open)
+}
+
+/// Marks a segment and its successors up to the first that is marked.
+fn follow_links(segments: &Segments, from: usize, taken: &mut [bool]) {
+    let mut at = from;
+    while let Some(mark) = taken.get_mut(at).filter(|mark| !**mark) {
+        *mark = true;
+        at = segments.next[at] as usize;
+    }
+}
+
 /// Where every segment goes when they are sorted by plane.
 struct Places {
     /// Per plane its first place; length = planes + 1.
@@ -82,7 +120,7 @@ impl Places {
 
 /// The segments of one plane, small enough for the cache.
 #[derive(Default)]
-struct Plane {
+pub(super) struct Plane {
     start: Vec<Point2>,
     /// Place of the successor, or [`OPEN`].
     next: Vec<u32>,
@@ -92,21 +130,27 @@ struct Plane {
 impl Plane {
     fn gather(&mut self, places: &Places, segments: &Segments, k: usize) {
         let slots = &places.order[places.base[k]..places.base[k + 1]];
-        let get = |slot: u32| segments.start.get(slot as usize).copied().unwrap_or_default();
-        self.start.clear();
-        self.start.extend(slots.iter().map(|&slot| get(slot)));
-        self.next.clear();
-        self.next.extend(slots.iter().map(|&slot| {
+        let start = |&slot: &u32| segments.start.get(slot as usize).copied().unwrap_or_default();
+        let next = |&slot: &u32| {
             let next = segments.next.get(slot as usize).copied().unwrap_or(OPEN);
-            let place = places.local.get(next as usize).copied().unwrap_or(OPEN);
-            if (place as usize) < slots.len() { place } else { OPEN }
-        }));
+            places.local.get(next as usize).copied().unwrap_or(OPEN)
+        };
+        self.fill(slots.iter().map(start), slots.iter().map(next));
+    }
+
+    /// Takes segments; a successor beyond them counts as [`OPEN`].
+    pub(super) fn fill(&mut self, start: impl Iterator<Item = Point2>, next: impl Iterator<Item = u32>) {
+        self.start.clear();
+        self.start.extend(start);
+        let count = self.start.len();
+        self.next.clear();
+        self.next.extend(next.map(|place| if (place as usize) < count { place } else { OPEN }));
         self.taken.clear();
-        self.taken.resize(slots.len(), false);
+        self.taken.resize(count, false);
     }
 
     /// Hands all contours to `finish`; `end` computes where the segment at a place ends.
-    fn walk(&mut self, finish: &mut Finish<'_>, end: impl Fn(usize) -> Option<Point2>) {
+    pub(super) fn walk(&mut self, finish: &mut Finish<'_>, end: impl Fn(usize) -> Option<Point2>) {
         if self.next.contains(&OPEN) {
             let mut head = vec![true; self.next.len()];
             for &next in &self.next {

@@ -1,7 +1,7 @@
 //! Runs of planes sized from exact counts, so that memory is a setting and not an accident.
 
-use super::crossing;
 use crate::mesh::Mesh;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Bytes that one segment takes: 8 for its start, 4 for its link.
@@ -9,21 +9,73 @@ pub const BYTES_PER_SEGMENT: u64 = 12;
 
 /// Number of segments on each plane. `planes` \[nm\], mesh frame, ascending; length = planes.
 pub fn segments_per_plane(mesh: &Mesh, planes: &[i32]) -> Vec<u64> {
-    let mut step = vec![0i64; planes.len() + 1];
-    for t in &mesh.triangles {
-        let z = t.map(|v| mesh.vertices[v as usize].z);
-        let (first, end) = crossing::plane_range(z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]), planes);
-        step[first] += 1;
-        step[end] -= 1;
-    }
+    let search = PlaneSearch::new(planes);
+    let level: Vec<u32> =
+        mesh.vertices.par_iter().with_min_len(1 << 12).map(|v| search.at_or_below(v.z)).collect();
+    // Every task counts all planes: no more tasks than pay for that.
+    let block = (mesh.triangles.len() / (2 * rayon::current_num_threads())).max(1 << 15).max(planes.len());
+    let tasks: Vec<Vec<i64>> = mesh
+        .triangles
+        .par_chunks(block)
+        .map(|triangles| {
+            let mut step = vec![0i64; planes.len() + 1];
+            for &[a, b, c] in triangles {
+                let (a, b, c) = (level[a as usize], level[b as usize], level[c as usize]);
+                step[a.min(b).min(c) as usize] += 1;
+                step[a.max(b).max(c) as usize] -= 1;
+            }
+            step
+        })
+        .collect();
     let mut now = 0i64;
-    step[..planes.len()]
-        .iter()
-        .map(|d| {
-            now += d;
+    (0..planes.len())
+        .map(|k| {
+            now += tasks.iter().map(|step| step[k]).sum::<i64>();
             now as u64
         })
         .collect()
+}
+
+/// Counts planes at or below a height, from a table of evenly spaced cells.
+pub struct PlaneSearch<'a> {
+    planes: &'a [i32],
+    base: i64,
+    shift: u32,
+    /// Per cell the number of planes below it; one more entry than cells.
+    below: Vec<u32>,
+}
+
+impl<'a> PlaneSearch<'a> {
+    /// For ascending planes \[nm\].
+    pub fn new(planes: &'a [i32]) -> Self {
+        let base = planes.first().map_or(0, |&z| i64::from(z));
+        let extent = planes.last().map_or(0, |&z| i64::from(z)) - base;
+        // About two cells per plane.
+        let wanted = 2 * planes.len() as i64 + 1;
+        let shift = (0..40).find(|s| extent >> s < wanted).unwrap_or(40);
+        let cells = (extent >> shift) + 1;
+        let below = (0..=cells)
+            .map(|cell| planes.partition_point(|&z| i64::from(z) < base + (cell << shift)) as u32)
+            .collect();
+        Self { planes, base, shift, below }
+    }
+
+    /// How many planes lie at or below `z` \[nm\].
+    #[inline]
+    pub fn at_or_below(&self, z: i32) -> u32 {
+        let above_base = i64::from(z) - self.base;
+        if above_base < 0 {
+            return 0;
+        }
+        let cell = (above_base >> self.shift) as usize;
+        match self.below.get(cell..cell + 2) {
+            Some(&[from, to]) => {
+                let within = &self.planes[from as usize..to as usize];
+                from + within.partition_point(|&plane| plane <= z) as u32
+            }
+            _ => self.planes.len() as u32,
+        }
+    }
 }
 
 /// Cuts the planes into contiguous runs of at most `limit` segments each.
@@ -49,6 +101,32 @@ pub fn runs(per_plane: &[u64], limit: u64) -> Vec<Range<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::shapes;
+    use crate::slice::{cpu, crossing};
+
+    #[test]
+    fn counts_are_those_of_the_twin() {
+        let mesh = shapes::torus(10.0, 3.0, 200, 100);
+        for planes in [vec![], vec![0, 0, 1], (-50..50).map(|i| i * 67_890).collect::<Vec<i32>>()] {
+            let (first, count) = cpu::count(&mesh, &planes);
+            let mut expected = vec![0; planes.len()];
+            for (first, count) in first.into_iter().zip(count) {
+                expected[first as usize..(first + count) as usize].iter_mut().for_each(|n| *n += 1);
+            }
+            assert_eq!(segments_per_plane(&mesh, &planes), expected);
+        }
+    }
+
+    #[test]
+    fn searching_agrees_with_bisection() {
+        for planes in [vec![], vec![7], vec![3, 3, 3], vec![-9, 0, 1, 1, 1 << 29], vec![-(1 << 30), 1 << 30]]
+        {
+            let search = PlaneSearch::new(&planes);
+            for z in [-(1 << 30), -10, -9, -8, 0, 1, 2, 3, 4, 7, 8, 1 << 29, (1 << 29) + 1, 1 << 30] {
+                assert_eq!(search.at_or_below(z) as usize, crossing::plane_range(z, z, &planes).0, "{z}");
+            }
+        }
+    }
 
     #[test]
     fn runs_cover_every_plane_once_and_keep_the_limit() {
