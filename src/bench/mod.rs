@@ -109,7 +109,8 @@ pub fn run(options: &Options, show: &mut (dyn FnMut(&str) + Send)) -> Result<Rep
         let (case, load) = Case::new(&source, options)?;
         let mut sink = Sink::new(&case, &machine, show);
         if let Some(time) = load {
-            sink.row(report::Stage::new("load", "file", 1), time, None);
+            let stage = report::Stage::new("cpu core", "load", rayon::current_num_threads());
+            sink.row(stage.bytes([62, 12, 0, 0], "62 T + 12 V"), time, None);
         }
         let reference = cpu::core(&case, options, &mut sink)?;
         cpu::classic(&case, &reference, options, &mut sink)?;
@@ -120,4 +121,60 @@ pub fn run(options: &Options, show: &mut (dyn FnMut(&str) + Send)) -> Result<Rep
         models.push(sink.finish(&reference));
     }
     Ok(Report { machine, runs: options.runs, models })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::mesh::{shapes, stl_write};
+
+    #[test]
+    fn all_engines_agree_on_a_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a,\"torus\".stl");
+        let mut bytes = Vec::new();
+        stl_write::write_stl_binary(&shapes::torus(6.0, 2.0, 40, 20), &mut bytes).unwrap();
+        std::fs::write(&path, bytes).unwrap();
+        let options = Options {
+            models: vec![path],
+            quick: true,
+            threads: vec![1, 2],
+            runs: 1,
+            planes_count: Some(31),
+            ..Options::default()
+        };
+        let mut lines = Vec::new();
+        let mut report = run(&options, &mut |line| lines.push(line.to_owned())).unwrap();
+        assert!(report.check().is_ok(), "{lines:#?}");
+        let model = &report.models[0];
+        assert_eq!((model.triangles, model.planes, model.skipped.len()), (1600, 31, 0));
+        let compared = model.stages.iter().filter(|r| r.output.is_some()).count();
+        assert_eq!(compared, 2 + 1 + 4 * 2, "two of the core, the twin's, two of each algorithm");
+        assert!(model.stages.iter().any(|r| r.stage == "load"));
+        assert_eq!(report.csv().lines().count(), 1 + model.stages.len());
+        assert!(report.csv().contains("\"a,\"\"torus\"\".stl\","));
+        assert!(plot(&report).contains("a,&quot;torus&quot;.stl"));
+        assert!(serde_json::to_string(&report).unwrap().contains("\"output\":\"equal\""));
+
+        let stages = &mut report.models[0].stages;
+        let row = stages.iter_mut().find(|r| r.output.is_some()).unwrap();
+        row.output = Some(Verdict::Different);
+        let error = report.check().unwrap_err().to_string();
+        assert!(error.starts_with("1 outputs differ"), "{error}");
+    }
+
+    #[test]
+    fn what_would_take_too_long_is_skipped_and_said_so() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("box.stl");
+        let mut bytes = Vec::new();
+        stl_write::write_stl_binary(&shapes::cuboid([0.0; 3], [1.0; 3]), &mut bytes).unwrap();
+        std::fs::write(&path, bytes).unwrap();
+        let options = Options { models: vec![path], quick: true, runs: 1, ..Options::default() };
+        let skipped = |options: Options| run(&options, &mut |_| ()).unwrap().models[0].skipped.clone();
+        let work = skipped(Options { work_limit: 59, ..options.clone() });
+        assert_eq!(work, ["trivial: 60 triangle-planes, the bound is 59"]);
+        assert_eq!(skipped(Options { memory_limit: 100, ..options }).len(), 5);
+    }
 }

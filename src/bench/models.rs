@@ -196,13 +196,13 @@ fn globe(around: usize, rings: usize, point: impl Fn(f64, f64) -> [f64; 3]) -> M
     let at = |ring: usize, i: usize| (2 + (ring - 1) * around + i % around) as u32;
     let mut triangles = Vec::with_capacity(2 * around * (rings - 1));
     for i in 0..around {
-        triangles.push([0, at(1, i), at(1, i + 1)]);
-        triangles.push([1, at(rings - 1, i + 1), at(rings - 1, i)]);
+        triangles.push([0, at(1, i + 1), at(1, i)]);
+        triangles.push([1, at(rings - 1, i), at(rings - 1, i + 1)]);
     }
     for ring in 1..rings - 1 {
         for i in 0..around {
             let (a, b, c, d) = (at(ring, i), at(ring, i + 1), at(ring + 1, i + 1), at(ring + 1, i));
-            triangles.extend([[a, c, b], [a, d, c]]);
+            triangles.extend([[a, b, c], [a, c, d]]);
         }
     }
     shapes::from_points(&points, triangles)

@@ -1,6 +1,6 @@
 //! Links for segments that an algorithm has found without them.
 
-use super::{Segment, corners, extent};
+use super::{Segment, below, corners, edges, extent};
 use crate::mesh::{Adjacency, Mesh, OPEN};
 use crate::slice::{Segments, cpu, crossing};
 
@@ -30,7 +30,7 @@ pub fn link(mesh: &Mesh, adjacency: &Adjacency, planes: &[i32], layers: &[Vec<Se
         let slot = |t: usize| offset[t].wrapping_add(k as u32).wrapping_sub(first[t]);
         for segment in layer {
             let t = segment.triangle as usize;
-            let (_, up) = crossing::down_up(corners(mesh, segment.triangle).map(|c| c.z), z);
+            let [_, up] = edges(below(corners(mesh, segment.triangle), z));
             let twin = adjacency.twin[3 * t + up];
             let here = slot(t) as usize;
             start[here] = segment.start;

@@ -97,14 +97,32 @@ pub struct Segment {
 
 impl Segment {
     /// The segment of a triangle on plane `z` \[nm\], which the triangle must meet.
+    #[inline]
     fn cut(triangle: u32, corner: [Point3; 3], z: i32) -> Self {
-        let (down, up) = crossing::down_up(corner.map(|c| c.z), z);
-        Self {
-            triangle,
-            start: crossing::point(corner[down], corner[(down + 1) % 3], z),
-            end: crossing::point(corner[up], corner[(up + 1) % 3], z),
-        }
+        let [down, up] = edges(below(corner, z));
+        let cross = |edge: usize| crossing::point(corner[edge], corner[FOLLOWING[edge]], z);
+        Self { triangle, start: cross(down), end: cross(up) }
     }
+}
+
+/// The corner after each, around a triangle.
+const FOLLOWING: [usize; 3] = [1, 2, 0];
+
+/// All three corners below the plane.
+const ALL_BELOW: u8 = 0b111;
+
+/// A bit for each corner that lies below plane `z`, by the rule of [`crossing::plane_range`].
+#[inline]
+fn below(corner: [Point3; 3], z: i32) -> u8 {
+    u8::from(corner[0].z < z) | u8::from(corner[1].z < z) << 1 | u8::from(corner[2].z < z) << 2
+}
+
+/// [`crossing::down_up`] from the bits of [`below`]: a table, since which corners lie below is as good as
+/// random to the processor's branch predictor.
+#[inline]
+fn edges(below: u8) -> [usize; 2] {
+    const EDGES: [[usize; 2]; 8] = [[0, 0], [2, 0], [0, 1], [2, 1], [1, 2], [1, 0], [0, 2], [0, 0]];
+    EDGES[usize::from(below & ALL_BELOW)]
 }
 
 /// The corners of a triangle.

@@ -8,13 +8,10 @@
 //!
 //! Time n log n for sorting, then n + p + m; memory n.
 
-use super::{Segment, corners};
+use super::{ALL_BELOW, FOLLOWING, Segment, corners, edges};
 use crate::lattice::Point3;
 use crate::mesh::Mesh;
 use crate::slice::crossing;
-
-/// All three corners of a triangle are below the plane.
-const PASSED: u8 = 0b111;
 
 /// No place in the status.
 const ABSENT: u32 = u32::MAX;
@@ -109,7 +106,7 @@ impl<'a> Status<'a> {
     /// Brings the status up to date with the corners of a triangle that lie below.
     fn update(&mut self, triangle: u32) {
         let place = self.place[triangle as usize];
-        if self.below[triangle as usize] == PASSED {
+        if self.below[triangle as usize] == ALL_BELOW {
             if place != ABSENT {
                 self.place[triangle as usize] = ABSENT;
                 self.active.swap_remove(place as usize);
@@ -130,10 +127,8 @@ impl<'a> Status<'a> {
 
     fn cut(&self, triangle: u32) -> Cut {
         let corner = corners(self.mesh, triangle);
-        let below = self.below[triangle as usize];
-        let side = [0, 1, 2].map(|i| if below >> i & 1 == 1 { -1 } else { 0 });
-        let (down, up) = crossing::down_up(side, 0);
-        let edge = |from: usize| [corner[from], corner[(from + 1) % 3]];
+        let [down, up] = edges(self.below[triangle as usize]);
+        let edge = |from: usize| [corner[from], corner[FOLLOWING[from]]];
         Cut { triangle, down: edge(down), up: edge(up) }
     }
 }

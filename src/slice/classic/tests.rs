@@ -214,6 +214,16 @@ fn assembled_rings_enclose_what_linked_ones_do() {
 }
 
 #[test]
+fn the_table_of_edges_is_the_rule() {
+    for bits in 1..ALL_BELOW {
+        let corner = [0, 1, 2].map(|i| Point3::new(0, 0, if bits >> i & 1 == 1 { 4 } else { 5 }));
+        assert_eq!(below(corner, 5), bits);
+        let [down, up] = edges(bits);
+        assert_eq!((down, up), crossing::down_up(corner.map(|c| c.z), 5), "{bits:03b}");
+    }
+}
+
+#[test]
 fn names_are_read_back() {
     for algorithm in Algorithm::ALL {
         assert_eq!(algorithm.name().parse(), Ok(algorithm));

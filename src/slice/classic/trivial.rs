@@ -4,7 +4,7 @@
 //! (1999) and in Minetto, Volpato, Stolfi, Gregori and da Silva, "An optimal algorithm for 3D triangle
 //! mesh slicing", Computer-Aided Design 92 (2017). Time p n + m, no memory beyond the segments.
 
-use super::{Segment, corners, extent};
+use super::{ALL_BELOW, Segment, below, corners};
 use crate::mesh::Mesh;
 
 /// The segments on each plane, ordered by triangle; `planes` \[nm\], mesh frame.
@@ -16,8 +16,8 @@ fn plane(mesh: &Mesh, z: i32) -> Vec<Segment> {
     let mut segments = Vec::new();
     for triangle in 0..mesh.triangles.len() as u32 {
         let corner = corners(mesh, triangle);
-        let (z_min, z_max) = extent(corner);
-        if z_min < z && z <= z_max {
+        // Some corners below and some not.
+        if !matches!(below(corner, z), 0 | ALL_BELOW) {
             segments.push(Segment::cut(triangle, corner, z));
         }
     }
