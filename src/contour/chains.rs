@@ -48,10 +48,10 @@ pub fn sum<'a>(reports: impl IntoIterator<Item = &'a OpenReport>) -> OpenSummary
     let mut sum = OpenSummary::default();
     for (layer, report) in reports.into_iter().enumerate() {
         sum.layers += usize::from(report.chains > 0);
-        sum.total.chains += report.chains;
-        sum.total.matched += report.matched;
-        sum.total.forced += report.forced;
-        sum.total.dropped += report.dropped;
+        sum.total.chains = sum.total.chains.saturating_add(report.chains);
+        sum.total.matched = sum.total.matched.saturating_add(report.matched);
+        sum.total.forced = sum.total.forced.saturating_add(report.forced);
+        sum.total.dropped = sum.total.dropped.saturating_add(report.dropped);
         if report.worst.map(|gap| gap.length) > sum.total.worst.map(|gap| gap.length) {
             sum.total.worst = report.worst;
             sum.worst_layer = layer;
