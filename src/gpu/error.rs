@@ -1,4 +1,5 @@
-//! What can go wrong with a device, one line each.
+//! What can go wrong with a device, one line each. That the CPU could do the work goes without saying
+//! here; who asked for a device says it.
 
 use thiserror::Error;
 
@@ -6,7 +7,9 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum GpuError {
     /// No adapter is a hardware GPU, so automatic choice takes none.
-    #[error("no hardware GPU found (present: {present}); use --backend cpu, or name a device with --adapter")]
+    #[error(
+        "no hardware GPU found (present: {present}); name a device with --adapter to take it all the same"
+    )]
     NoHardware {
         /// Names of all adapters, or "none".
         present: String,
@@ -20,7 +23,7 @@ pub enum GpuError {
         present: String,
     },
     /// The adapter offers less than the kernels need.
-    #[error("{adapter}: {limit} is {has}, the kernels need {needs}; use --backend cpu")]
+    #[error("{adapter}: {limit} is {has}, the kernels need {needs}")]
     Unsuitable {
         /// The adapter's name.
         adapter: String,
@@ -40,7 +43,7 @@ pub enum GpuError {
         reason: String,
     },
     /// Something is larger than the device takes; checked before anything is allocated.
-    #[error("{what}: {needs} {unit}, but the device takes at most {limit}; use --backend cpu")]
+    #[error("{what}: {needs} {unit}, but the device takes at most {limit}")]
     TooLarge {
         /// What is too large.
         what: &'static str,
@@ -51,20 +54,30 @@ pub enum GpuError {
         /// What the device takes.
         limit: u64,
     },
+    /// The memory that slicing may take does not suffice; checked before anything is allocated.
+    #[error("{what} on the device takes {needs} bytes, more than the {budget} allowed; raise --memory")]
+    Budget {
+        /// What needs the memory.
+        what: &'static str,
+        /// What it needs \[bytes\].
+        needs: u64,
+        /// What is allowed \[bytes\].
+        budget: u64,
+    },
     /// The device ran out of memory.
-    #[error("out of device memory: {0}; use --backend cpu or a smaller memory budget")]
+    #[error("out of device memory: {0}; a smaller --memory may help")]
     OutOfMemory(String),
     /// A call was refused as invalid: an error in this program.
     #[error("the device refused a call, please report this: {0}")]
     Validation(String),
     /// The driver failed inside.
-    #[error("the device failed inside: {0}; use --backend cpu")]
+    #[error("the device failed inside: {0}")]
     Internal(String),
     /// The device was lost, for example unplugged or reset.
-    #[error("the device was lost: {0}; use --backend cpu")]
+    #[error("the device was lost: {0}")]
     Lost(String),
     /// The device did not finish within the watchdog's time.
-    #[error("the device did not finish within {seconds} s; use --backend cpu")]
+    #[error("the device did not finish within {seconds} s")]
     Timeout {
         /// The watchdog's time \[s\].
         seconds: u64,

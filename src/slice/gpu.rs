@@ -89,16 +89,15 @@ impl GpuSlicer {
     /// How many segments a run of planes may have beside a mesh; the limit for [`super::chunk::runs`].
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] when the mesh leaves nothing of the budget.
+    /// [`GpuError::Budget`] when the mesh leaves nothing of the budget.
     pub fn max_segments_beside(&self, mesh: &GpuMesh) -> Result<u64, GpuError> {
         let taken = mesh.bytes() + mesh.triangles() as u64 * BYTES_PER_TRIANGLE;
         let left = self.budget.saturating_sub(taken);
         if left < BYTES_PER_SEGMENT {
-            return Err(GpuError::TooLarge {
-                what: "the mesh within the memory budget",
-                unit: "bytes",
+            return Err(GpuError::Budget {
+                what: "the mesh",
                 needs: taken + BYTES_PER_SEGMENT,
-                limit: self.budget,
+                budget: self.budget,
             });
         }
         Ok((left / BYTES_PER_SEGMENT).min(u64::from(u32::MAX) - 1))

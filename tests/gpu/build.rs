@@ -1,14 +1,15 @@
 //! Raw triangles to a mesh with links, on the device: sorted, rounded, welded and paired as on the CPU.
 
 use crate::compare::{ensure, same, same_segments};
-use crate::meshes::{Random, planes};
+use crate::meshes::{Random, planes, soup};
+use crate::slice::changed;
 use crate::{Bench, SIZES, Test};
 use libtest_mimic::Failed;
 use microtome::gpu::dispatch::Recording;
 use microtome::gpu::sort::Sorter;
-use microtome::gpu::{Buffer, GpuError, Options};
+use microtome::gpu::{Buffer, Device, GpuError, Options};
 use microtome::mesh::{Adjacency, Mesh, load_bytes, shapes};
-use microtome::shaders::{EDGE_KEYS, EdgeSizes};
+use microtome::shaders::{EDGE_KEYS, EDGE_PAIRS, EdgeSizes, Kernel, WELD_CORNERS, WeldSizes};
 use microtome::slice::cpu;
 use microtome::slice::gpu::GpuSlicer;
 use std::path::Path;
@@ -21,6 +22,7 @@ pub const TESTS: &[Test] = &[
     ("a_mesh_is_built_in_parts", parts),
     ("a_build_beyond_the_budget_is_refused", budget),
     ("a_moved_corner_is_seen", planted),
+    ("a_drifted_build_is_seen", drifted),
 ];
 
 type Facets = Vec<[[f32; 3]; 3]>;
@@ -172,7 +174,7 @@ fn parts(bench: &Bench) -> Result<(), Failed> {
 fn budget(bench: &Bench) -> Result<(), Failed> {
     let mut slicer = GpuSlicer::new(bench.plain()?)?.with_budget(100_000);
     let refused = slicer.build(&facets(&shapes::sphere(9.0, 30, 20)), [0; 3]).map(drop);
-    ensure(matches!(refused, Err(GpuError::TooLarge { limit: 100_000, .. })), format!("{refused:?}"))
+    ensure(matches!(refused, Err(GpuError::Budget { budget: 100_000, .. })), format!("{refused:?}"))
 }
 
 fn planted(bench: &Bench) -> Result<(), Failed> {
@@ -194,4 +196,87 @@ fn planted(bench: &Bench) -> Result<(), Failed> {
     moved.swap(3, 90);
     let other = slicer.build(&moved, loaded.mesh.origin)?;
     ensure(slicer.download(&other.mesh)? != whole, "another order of facets went unseen")
+}
+
+/// One kernel alone: floats to lattice points about the origin.
+fn corners(device: &Device, kernel: &Kernel, floats: &[f32]) -> Result<Vec<i32>, GpuError> {
+    let raw = Buffer::upload(device, "floats", floats)?;
+    let array = || Buffer::<i32>::zeroed(device, "coordinates", floats.len() / 3);
+    let (x, y, z) = (array()?, array()?, array()?);
+    let mut recording = Recording::new(device, false)?;
+    let sizes = WeldSizes { items: floats.len() as u32, ..WeldSizes::default() };
+    recording.dispatch(kernel, &sizes, &[&raw, &x, &y, &z], floats.len() as u64)?;
+    let back = [recording.read_back(&x)?, recording.read_back(&y)?, recording.read_back(&z)?];
+    let submission = recording.submit()?;
+    let mut all = Vec::new();
+    for axis in back {
+        axis.take_into(device, &submission, &mut all)?;
+    }
+    Ok(all)
+}
+
+/// One kernel alone: half-edges that the host has sorted.
+fn pairs(device: &Device, kernel: &Kernel, mesh: &Mesh) -> Result<Vec<u32>, GpuError> {
+    let corner = |h: u32| mesh.triangles[h as usize / 3][h as usize % 3];
+    let mut sorted: Vec<u32> = (0..3 * mesh.triangles.len() as u32).collect();
+    sorted.sort_by_key(|&h| {
+        let (from, to) = (corner(h), corner(if h % 3 == 2 { h - 2 } else { h + 1 }));
+        (from.min(to), from.max(to), from < to)
+    });
+    let triangles = Buffer::upload(device, "triangles", &mesh.triangles)?;
+    let values = Buffer::upload(device, "half-edges", &sorted)?;
+    let twin = Buffer::<u32>::zeroed(device, "twin", sorted.len())?;
+    let mut recording = Recording::new(device, false)?;
+    let sizes = EdgeSizes { half_edges: sorted.len() as u32, padding: [0; 3] };
+    recording.dispatch(kernel, &sizes, &[&triangles, &values, &twin], sorted.len() as u64)?;
+    let twin = recording.read_back(&twin)?;
+    twin.take(device, &recording.submit()?)
+}
+
+/// The smallest slips that these kernels could make must show.
+fn drifted(bench: &Bench) -> Result<(), Failed> {
+    let device = bench.open(Options::default())?;
+    let mut random = Random(5);
+    let floats: Vec<f32> = (0..3_000)
+        .map(|_| {
+            f32::from_bits((random.next() as u32 & 0x807f_ffff) | ((100 + random.next() as u32 % 36) << 23))
+        })
+        .chain([0.007_812_5, -0.007_812_5, 5e-7])
+        .collect();
+    let nm = |mm: f32| (f64::from(mm) * 1e6).round() as i64 as i32;
+    let expected: Vec<i32> = (0..3)
+        .flat_map(|axis| floats.iter().skip(axis).step_by(3).map(|&mm| nm(mm)).collect::<Vec<_>>())
+        .collect();
+    same("points", &corners(&device, &WELD_CORNERS, &floats)?, &expected)?;
+    let slips = [
+        ("1u << (shift - 1u)", "0u"),
+        ("(1u << (shift - 33u))", "0u"),
+        ("exponent <= 104u", "exponent <= 112u"),
+        ("shift == 32u", "shift == 33u"),
+        ("item / 3u", "(item + 1u) / 3u"),
+    ];
+    for (name, (old, new)) in ["round 1", "round 2", "round 3", "round 4", "round 5"].into_iter().zip(slips) {
+        let kernel = changed(&WELD_CORNERS, name, old, new)?;
+        let seen = corners(&device, &kernel, &floats)? != expected;
+        ensure(seen, format!("'{new}' for '{old}' in weld_corners went unseen"))?;
+    }
+    // Few vertices, so that most edges are shared by many.
+    let mut mesh = soup(60, 3, 9);
+    mesh.triangles.iter_mut().flatten().for_each(|v| *v %= 7);
+    mesh.triangles.retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
+    let expected = Adjacency::build(&mesh).twin;
+    same("twin", &pairs(&device, &EDGE_PAIRS, &mesh)?, &expected)?;
+    let slips = [
+        ("run_end(place, edge) + rank", "run_end(place, edge)"),
+        ("partner < begin", "partner < begin + 1u"),
+        ("half_edge % 3u == 2u", "half_edge % 3u == 1u"),
+        ("return place + 1u", "return place"),
+        ("begin > 0u &&", "begin > 9u &&"),
+    ];
+    for (name, (old, new)) in ["pair 1", "pair 2", "pair 3", "pair 4", "pair 5"].into_iter().zip(slips) {
+        let kernel = changed(&EDGE_PAIRS, name, old, new)?;
+        let seen = pairs(&device, &kernel, &mesh)? != expected;
+        ensure(seen, format!("'{new}' for '{old}' in edge_pairs went unseen"))?;
+    }
+    Ok(())
 }

@@ -73,7 +73,7 @@ fn budget(bench: &Bench) -> Result<(), Failed> {
     ensure(met == runs, "runs come in order")?;
     let mut slicer = slicer.with_budget(50_000);
     let refused = slicer.slice(&resident, &heights);
-    ensure(matches!(refused, Err(GpuError::TooLarge { limit: 50_000, .. })), format!("{refused:?}"))
+    ensure(matches!(refused, Err(GpuError::Budget { budget: 50_000, .. })), format!("{refused:?}"))
 }
 
 fn validation(bench: &Bench) -> Result<(), Failed> {

@@ -305,7 +305,7 @@ fn planted(bench: &Bench) -> Result<(), Failed> {
 }
 
 /// A kernel with one spot of its text changed.
-fn changed(kernel: &Kernel, name: &'static str, old: &str, new: &str) -> Result<Kernel, Failed> {
+pub fn changed(kernel: &Kernel, name: &'static str, old: &str, new: &str) -> Result<Kernel, Failed> {
     ensure(kernel.wgsl.matches(old).count() == 1, format!("'{old}' is not once in {}", kernel.name))?;
     let wgsl = Box::leak(kernel.wgsl.replacen(old, new, 1).into_boxed_str());
     Ok(Kernel { name, wgsl, bindings: kernel.bindings })

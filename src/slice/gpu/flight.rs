@@ -307,7 +307,7 @@ mod tests {
     fn ranges_keep_the_limit() {
         let offset = [0, 3, 3, 7, 12, 12];
         assert_eq!(ranges(&offset, 0..5, 5), Ok(vec![0..2, 2..3, 3..5]));
-        assert_eq!(ranges(&offset, 2..4, 4), Ok(vec![2..3, 3..4]));
+        assert_eq!(ranges(&offset, 2..4, 5), Ok(vec![2..3, 3..4]));
         assert!(matches!(ranges(&offset, 0..5, 4), Err(GpuError::TooLarge { needs: 5, limit: 4, .. })));
     }
 

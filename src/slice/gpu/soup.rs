@@ -1,6 +1,6 @@
 //! Raw triangles to a resident mesh, on the device from the first to the last step.
 //!
-//! Twins: [`crate::mesh::load`] for vertices and triangles, [`Adjacency::build`] for the links.
+//! Twins: [`crate::mesh::load()`] for vertices and triangles, [`Adjacency::build`] for the links.
 
 use super::GpuSlicer;
 use super::flight::kernels_alone;
@@ -47,17 +47,16 @@ pub struct Arrays {
 impl GpuSlicer {
     /// Builds a mesh from raw facets \[mm\]: puts the corners on the lattice, welds them and pairs the
     /// half-edges. `origin` is the world position of the lattice's zero \[nm\], as
-    /// [`crate::mesh::load`] finds it; every corner must lie within the lattice's reach of it.
+    /// [`crate::mesh::load()`] finds it; every corner must lie within the lattice's reach of it.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] when an array exceeds a binding or all of them the budget (144 bytes a
-    /// facet); [`Self::upload`] takes larger meshes.
+    /// [`GpuError::TooLarge`] when an array exceeds a binding, [`GpuError::Budget`] when all of them exceed
+    /// the budget (144 bytes a facet); [`Self::upload`] takes larger meshes.
     pub fn build(&mut self, facets: &[[[f32; 3]; 3]], origin: [i64; 3]) -> Result<Built, GpuError> {
         let count = facets.len() as u64;
-        let (needs, limit) = (count * BYTES_PER_FACET, self.budget);
-        if needs > limit {
-            let (what, unit) = ("welding within the memory budget", "bytes");
-            return Err(GpuError::TooLarge { what, unit, needs, limit });
+        let (needs, budget) = (count * BYTES_PER_FACET, self.budget);
+        if needs > budget {
+            return Err(GpuError::Budget { what: "joining the facets", needs, budget });
         }
         if count > FACET_LIMIT {
             return Err(GpuError::TooLarge {
