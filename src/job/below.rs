@@ -68,10 +68,10 @@ pub fn below(
     below_mesh(loaded, &path.display().to_string(), job, progress, watch)
 }
 
-/// [`below`] for a mesh in memory; `name` stands for it in messages.
+/// [`below()`] for a mesh in memory; `name` stands for it in messages.
 ///
 /// # Errors
-/// As [`below`].
+/// As [`below()`].
 pub fn below_mesh(
     loaded: Loaded,
     name: &str,

@@ -1,6 +1,6 @@
 //! Bytes to an indexed triangle mesh on the lattice.
 //!
-//! [`load`] reads, measures and welds; [`Adjacency::build`] pairs the half-edges; [`audit()`] says what
+//! [`load()`] reads, measures and welds; [`Adjacency::build`] pairs the half-edges; [`audit()`] says what
 //! is wrong with a mesh; [`orient::orient`] turns facets that face the wrong way and [`snap::snap`]
 //! closes cracks; [`place()`] moves its origin onto the bed. [`shapes`] and [`demo_part()`] make
 //! meshes without a file.
