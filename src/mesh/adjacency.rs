@@ -7,9 +7,22 @@
 //! The half-edges that still wait for a partner hang in short lists at one endpoint of their edge: the
 //! one that fewer triangles touch, so that the hub of a fan keeps no list. A mesh on which the lists
 //! grow long all the same (thousands of triangles on one edge) is sorted instead: the same pairs.
+//!
+//! With several threads the triangles are cut into contiguous blocks. An edge with an endpoint that
+//! only one block touches has all its half-edges there, so that block pairs them alone; the edges
+//! between vertices of several blocks follow in a pass of their own.
 
+use super::blocks::blocks;
 use super::{Adjacency, Mesh, OPEN};
 use rayon::prelude::*;
+
+/// Marks the degree of a vertex that several blocks touch. It also makes the degree large, so that the
+/// owner of an edge has the mark only where both endpoints have it. A degree itself is below: each
+/// triangle counts once, and there are fewer than 2^31.
+const SHARED: u32 = 1 << 31;
+
+/// Vertices of one task while the blocks' degrees are added; any value gives the same result.
+const RUN: usize = 1 << 14;
 
 /// List steps per half-edge, on average, after which sorting is the better way.
 const PATIENCE: usize = 16;
@@ -17,7 +30,8 @@ const PATIENCE: usize = 16;
 impl Adjacency {
     /// Pairs the half-edges of a mesh. The triangles' vertex ids must be below the number of vertices.
     pub fn build(mesh: &Mesh) -> Self {
-        let twin = pair_by_lists(mesh, PATIENCE).unwrap_or_else(|| pair_by_sorting(mesh));
+        let twin = pair_by_lists(mesh, PATIENCE, blocks(mesh.triangles.len()));
+        let twin = twin.unwrap_or_else(|| pair_by_sorting(mesh));
         Self { twin }
     }
 }
@@ -36,70 +50,173 @@ struct Waiting {
 }
 
 /// `None` when the lists take more than `patience` steps per half-edge.
-fn pair_by_lists(mesh: &Mesh, patience: usize) -> Option<Vec<u32>> {
-    let mut degree = vec![0u32; mesh.vertices.len()];
-    for v in mesh.triangles.as_flattened() {
-        degree[*v as usize] += 1;
+fn pair_by_lists(mesh: &Mesh, patience: usize, count: usize) -> Option<Vec<u32>> {
+    let triangles = &mesh.triangles;
+    let mut size = triangles.len().div_ceil(count).max(1);
+    let (mut degree, shared) = degrees(mesh, size);
+    if shared > mesh.vertices.len() / 8 {
+        // In no order that would leave the blocks much to do.
+        degree.par_iter_mut().for_each(|degree| *degree &= !SHARED);
+        size = triangles.len().max(1);
     }
-    let mut twin = vec![OPEN; 3 * mesh.triangles.len()];
-    let mut head = vec![OPEN; mesh.vertices.len()];
-    let mut pool: Vec<Waiting> = Vec::new();
-    let mut free = OPEN;
-    // Lists are searched from their youngest entry. Once an edge has two waiting the same way, the
-    // older must be found, so the search goes on to the end.
-    let mut over_shared = false;
-    let mut patience = patience.saturating_mul(twin.len());
-    for (t, triangle) in mesh.triangles.iter().enumerate() {
-        for i in 0..3 {
-            let (from, to) = (triangle[i], triangle[(i + 1) % 3]);
-            let leaves = (degree[from as usize], from) < (degree[to as usize], to);
-            let (owner, other) = if leaves { (from, to) } else { (to, from) };
-            let leaves = u32::from(leaves);
-            let half_edge = (3 * t + i) as u32;
-            let first = head[owner as usize];
-            let (mut at, mut before) = (first, OPEN);
-            let (mut found, mut found_before) = (OPEN, OPEN);
-            while at != OPEN {
-                patience = patience.checked_sub(1)?;
-                let waiting = pool[at as usize];
-                if waiting.other == other {
-                    if waiting.leaves == leaves {
-                        over_shared = true;
-                    } else {
-                        (found, found_before) = (at, before);
-                        if !over_shared {
-                            break;
-                        }
+    let mut twin = vec![0; 3 * triangles.len()];
+    let between: Option<Vec<Vec<u32>>> = twin
+        .par_chunks_mut(3 * size)
+        .zip(triangles.par_chunks(size))
+        .enumerate()
+        .map(|(k, (twin, triangles))| {
+            twin.fill(OPEN);
+            let mut between = Vec::new();
+            let mut lists = Lists::new(&degree, patience.saturating_mul(twin.len()));
+            let first = (3 * k * size) as u32;
+            for (t, triangle) in triangles.iter().enumerate() {
+                for i in 0..3 {
+                    let (edge, half_edge) = (lists.edge(triangle, i), (3 * t + i) as u32);
+                    if edge.shared {
+                        between.push(first + half_edge);
+                    } else if let Some(partner) = lists.partner(edge, half_edge)? {
+                        twin[half_edge as usize] = first + partner;
+                        twin[partner as usize] = first + half_edge;
                     }
                 }
-                (before, at) = (at, waiting.next);
             }
-            if found == OPEN {
-                let waiting = Waiting { other, half_edge, leaves, next: first };
-                head[owner as usize] = if free == OPEN {
-                    pool.push(waiting);
-                    pool.len() as u32 - 1
-                } else {
-                    let place = free;
-                    free = pool[place as usize].next;
-                    pool[place as usize] = waiting;
-                    place
-                };
-            } else {
-                let partner = pool[found as usize];
-                twin[half_edge as usize] = partner.half_edge;
-                twin[partner.half_edge as usize] = half_edge;
-                if found_before == OPEN {
-                    head[owner as usize] = partner.next;
-                } else {
-                    pool[found_before as usize].next = partner.next;
-                }
-                pool[found as usize].next = free;
-                free = found;
+            Some(between)
+        })
+        .collect();
+    let between = between?.concat();
+    if !between.is_empty() {
+        let mut lists = Lists::new(&degree, patience.saturating_mul(twin.len()));
+        for half_edge in between {
+            let edge = lists.edge(&triangles[half_edge as usize / 3], half_edge as usize % 3);
+            if let Some(partner) = lists.partner(edge, half_edge)? {
+                twin[half_edge as usize] = partner;
+                twin[partner as usize] = half_edge;
             }
         }
     }
     Some(twin)
+}
+
+/// How many triangles touch each vertex, marked where they are in several blocks of `size` triangles,
+/// and the number of marks.
+fn degrees(mesh: &Mesh, size: usize) -> (Vec<u32>, usize) {
+    let mut counts: Vec<Vec<u32>> = mesh
+        .triangles
+        .par_chunks(size)
+        .map(|triangles| {
+            let mut degree = vec![0; mesh.vertices.len()];
+            for v in triangles.as_flattened() {
+                degree[*v as usize] += 1;
+            }
+            degree
+        })
+        .collect();
+    let rest = counts.split_off(counts.len().min(1));
+    let mut degree = counts.pop().unwrap_or_default();
+    if rest.is_empty() {
+        return (degree, 0);
+    }
+    let shared = degree.par_chunks_mut(RUN).enumerate().map(|(run, sums)| {
+        for counts in &rest {
+            for (sum, &n) in sums.iter_mut().zip(&counts[run * RUN..]) {
+                let mark = if *sum != 0 && n != 0 { SHARED } else { 0 };
+                *sum = sum.wrapping_add(n) | mark;
+            }
+        }
+        sums.iter().filter(|&&sum| sum & SHARED != 0).count()
+    });
+    let shared = shared.sum();
+    (degree, shared)
+}
+
+/// A half-edge as its edge's owner sees it.
+#[derive(Clone, Copy)]
+struct Edge {
+    /// The endpoint that keeps the list.
+    owner: u32,
+    other: u32,
+    /// 1 when the half-edge leaves the owner, 0 when it arrives.
+    leaves: u32,
+    /// Whether both endpoints are shared by several blocks.
+    shared: bool,
+}
+
+/// The lists of waiting half-edges.
+struct Lists<'a> {
+    degree: &'a [u32],
+    /// Per vertex one more than the place of its list's first entry, 0 without: so the allocator
+    /// delivers it without a pass over the memory.
+    head: Vec<u32>,
+    pool: Vec<Waiting>,
+    free: u32,
+    /// Lists are searched from their youngest entry. Once an edge has two waiting the same way, the
+    /// older must be found, so the search goes on to the end.
+    over_shared: bool,
+    /// Steps that are left.
+    patience: usize,
+}
+
+impl<'a> Lists<'a> {
+    fn new(degree: &'a [u32], patience: usize) -> Self {
+        let head = vec![0; degree.len()];
+        Self { degree, head, pool: Vec::new(), free: OPEN, over_shared: false, patience }
+    }
+
+    #[inline(always)]
+    fn edge(&self, triangle: &[u32; 3], i: usize) -> Edge {
+        let (from, to) = (triangle[i], triangle[(i + 1) % 3]);
+        let (a, b) = (self.degree[from as usize], self.degree[to as usize]);
+        let leaves = (a, from) < (b, to);
+        let (owner, other) = if leaves { (from, to) } else { (to, from) };
+        Edge { owner, other, leaves: u32::from(leaves), shared: a & b & SHARED != 0 }
+    }
+
+    /// Takes the partner of a half-edge out of its list; without one, the half-edge waits. Half-edges
+    /// come in ascending order. `None` when patience is at its end.
+    #[inline(always)]
+    fn partner(&mut self, edge: Edge, half_edge: u32) -> Option<Option<u32>> {
+        let Edge { owner, other, leaves, .. } = edge;
+        let first = self.head[owner as usize].wrapping_sub(1);
+        let (mut at, mut before) = (first, OPEN);
+        let (mut found, mut found_before) = (OPEN, OPEN);
+        while at != OPEN {
+            self.patience = self.patience.checked_sub(1)?;
+            let waiting = self.pool[at as usize];
+            if waiting.other == other {
+                if waiting.leaves == leaves {
+                    self.over_shared = true;
+                } else {
+                    (found, found_before) = (at, before);
+                    if !self.over_shared {
+                        break;
+                    }
+                }
+            }
+            (before, at) = (at, waiting.next);
+        }
+        if found == OPEN {
+            let waiting = Waiting { other, half_edge, leaves, next: first };
+            let place = self.free;
+            self.head[owner as usize] = if place == OPEN {
+                self.pool.push(waiting);
+                self.pool.len() as u32
+            } else {
+                self.free = self.pool[place as usize].next;
+                self.pool[place as usize] = waiting;
+                place + 1
+            };
+            return Some(None);
+        }
+        let partner = self.pool[found as usize];
+        if found_before == OPEN {
+            self.head[owner as usize] = partner.next.wrapping_add(1);
+        } else {
+            self.pool[found_before as usize].next = partner.next;
+        }
+        self.pool[found as usize].next = self.free;
+        self.free = found;
+        Some(Some(partner.half_edge))
+    }
 }
 
 /// Sorts by edge, then pairs run by run. Slower on ordinary meshes, good on all.
@@ -165,8 +282,35 @@ mod tests {
             let mut random = Random(seed);
             let mesh = random.mesh(3 + seed as usize % 30, seed as usize);
             let twin = pair_by_sorting(&mesh);
-            assert_eq!(pair_by_lists(&mesh, usize::MAX).as_ref(), Some(&twin), "seed {seed}");
+            for count in [1, 2, 3, 8] {
+                let lists = pair_by_lists(&mesh, usize::MAX, count);
+                assert_eq!(lists.as_ref(), Some(&twin), "seed {seed}, {count} blocks");
+            }
             assert_eq!(fault(&mesh, &twin), None, "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn the_number_of_threads_does_not_matter() {
+        // Edges with up to four half-edges, near each other in the file and far apart.
+        let mut mesh = sphere(5.0, 300, 260);
+        let n = mesh.triangles.len();
+        for i in 0..n / 400 {
+            let t = mesh.triangles[i * 190];
+            mesh.triangles.insert(n - i * 3 % 1000, if i % 2 == 0 { t } else { [t[1], t[0], t[2]] });
+            mesh.triangles[i * 200].rotate_left(1);
+        }
+        let expected = pair_by_sorting(&mesh);
+        assert!(expected.contains(&OPEN));
+        for count in [1, 2, 3, 8] {
+            assert_eq!(pair_by_lists(&mesh, PATIENCE, count).as_ref(), Some(&expected), "{count} blocks");
+            let size = mesh.triangles.len().div_ceil(count);
+            let shared = degrees(&mesh, size).1;
+            assert_eq!(shared > 0, count > 1);
+            assert!(shared < mesh.vertices.len() / 8, "the blocks must have been at work");
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
+            let built = pool.map(|pool| pool.install(|| Adjacency::build(&mesh).twin));
+            assert!(built.is_ok_and(|twin| twin == expected), "{count} threads");
         }
     }
 
@@ -183,11 +327,11 @@ mod tests {
     #[test]
     fn a_fan_of_60_000_triangles_keeps_its_lists_short() {
         let mut mesh = fan(60_000);
-        assert!(pair_by_lists(&mesh, 2).is_some());
+        assert!(pair_by_lists(&mesh, 2, 1).is_some());
         // In an order in which neighbours are far apart.
         let n = mesh.triangles.len();
         mesh.triangles = (0..n).map(|i| mesh.triangles[i * 7919 % n]).collect();
-        let twin = pair_by_lists(&mesh, 2);
+        let twin = pair_by_lists(&mesh, 2, 1);
         assert!(twin.is_some_and(|twin| !twin.contains(&OPEN)));
     }
 
@@ -196,7 +340,7 @@ mod tests {
         let mut mesh = Random(1).mesh(5000, 0);
         mesh.triangles = (2..5000).map(|v| [0, 1, v]).collect();
         // The lists are at the other vertices where they can be, but 0-1 is one edge.
-        assert_eq!(pair_by_lists(&mesh, PATIENCE), None);
+        assert_eq!(pair_by_lists(&mesh, PATIENCE, 1), None);
         mesh.triangles.extend((2..5000).map(|v| [1, 0, v]));
         let twin = Adjacency::build(&mesh).twin;
         assert_eq!(fault(&mesh, &twin), None);

@@ -9,6 +9,7 @@ mod adjacency;
 pub mod audit;
 #[cfg(test)]
 mod bad_input;
+mod blocks;
 pub mod demo_part;
 mod detect;
 pub mod error;
