@@ -1,7 +1,7 @@
 //! How many contiguous blocks a run over the facets is split into.
 
 /// Facets below which a block is not worth a thread of its own.
-const FACETS: usize = 1 << 15;
+const FACETS: usize = 1 << 17;
 
 /// Every block is compared with the ones before it: more blocks than this cost more than they save.
 const LIMIT: usize = 8;
