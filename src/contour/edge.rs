@@ -15,14 +15,6 @@ pub(super) struct Edge {
     pub(super) half_edge: u32,
 }
 
-/// 1.5 · 2^52: adding it leaves a number below 2^31 rounded to an integer, in two's complement in the
-/// low 32 bits.
-const ROUND: f64 = 6_755_399_441_055_744.0;
-
-/// Nearer to the middle between two integers than this, the estimate may round the wrong way. Quotient
-/// and product err by 2^-53 of a value below 2^31 each: 2^-21 in all.
-const DOUBT: f64 = 0.5 - 1.0 / (1 << 20) as f64;
-
 impl Edge {
     pub(super) fn new(low: Point3, high: Point3, half_edge: u32) -> Self {
         // Below 2^31, as coordinates are below 2^30.
@@ -33,40 +25,21 @@ impl Edge {
     }
 
     /// Where plane `z` \[nm\] crosses, and whether that is certain. A certain point is that of
-    /// [`crossing::point`]: every rounding there is to the nearest integer, and only ties, which are
-    /// never certain, need a rule.
+    /// [`crossing::point`]; see [`crossing::moved`].
     #[inline(always)]
     pub(super) fn cut(&self, z: i32) -> (Point2, bool) {
         // Below 2^31 for every plane that crosses the edge.
         let rise = f64::from(z.wrapping_sub(self.low.z));
-        let (x, certain_x) = along(self.low.x, self.slope[0] * rise);
-        let (y, certain_y) = along(self.low.y, self.slope[1] * rise);
+        let (x, certain_x) = crossing::moved(self.low.x, self.slope[0] * rise);
+        let (y, certain_y) = crossing::moved(self.low.y, self.slope[1] * rise);
         (Point2::new(x, y), certain_x & certain_y)
     }
 
     /// [`Edge::cut`] for a point that was not certain; `high` is the upper vertex.
     #[cold]
     pub(super) fn cut_exactly(&self, high: Point3, z: i32) -> Point2 {
-        crossing::point(self.low, high, z)
+        crossing::exact_point(self.low, high, z)
     }
-}
-
-/// The point of [`crossing::point`] on an edge that is cut but once, for one division.
-#[inline(always)]
-pub(super) fn cut(low: Point3, high: Point3, z: i32) -> Point2 {
-    let difference = |to: i32, from: i32| f64::from(to.wrapping_sub(from));
-    let part = difference(z, low.z) / difference(high.z, low.z);
-    let (x, certain_x) = along(low.x, part * difference(high.x, low.x));
-    let (y, certain_y) = along(low.y, part * difference(high.y, low.y));
-    if certain_x & certain_y { Point2::new(x, y) } else { crossing::point(low, high, z) }
-}
-
-/// A coordinate moved by an estimate, and whether it is certain.
-#[inline(always)]
-fn along(from: i32, estimate: f64) -> (i32, bool) {
-    let lifted = estimate + ROUND;
-    let off = (estimate - (lifted - ROUND)).abs();
-    (from.wrapping_add(lifted.to_bits() as i32), off < DOUBT)
 }
 
 #[cfg(test)]
@@ -102,8 +75,12 @@ mod tests {
                 compared += 1;
                 let (p, sure) = prepared(low, high, z);
                 certain += i32::from(sure);
-                let exact = crossing::point(low, high, z);
-                assert_eq!((p, cut(low, high, z)), (exact, exact), "{low:?} {high:?} {z}");
+                let exact = crossing::exact_point(low, high, z);
+                assert_eq!(
+                    (p, crossing::point_between(low, high, z)),
+                    (exact, exact),
+                    "{low:?} {high:?} {z}"
+                );
             }
         }
         assert!(compared > 1_000_000 && certain > compared / 2, "{certain} of {compared}");
@@ -120,8 +97,12 @@ mod tests {
                     let (low, high) = (Point3::new(-m, dx - m, -m), Point3::new(dx - m, -m, dz - m));
                     let (p, sure) = prepared(low, high, rise - m);
                     doubtful += i32::from(!sure);
-                    let exact = crossing::point(low, high, rise - m);
-                    assert_eq!((p, cut(low, high, rise - m)), (exact, exact), "{dx} {dz} {rise}");
+                    let exact = crossing::exact_point(low, high, rise - m);
+                    assert_eq!(
+                        (p, crossing::point_between(low, high, rise - m)),
+                        (exact, exact),
+                        "{dx} {dz} {rise}"
+                    );
                 }
             }
         }

@@ -4,14 +4,14 @@
 //! forward through the mesh and no read waits for another. The links are then followed within one
 //! plane's list, which the cache holds.
 
-use super::edge;
 use super::finish::Finish;
 use super::spans::Span;
 use super::surface::Surface;
 use super::walk::Plane;
-use crate::lattice::Point2;
+use crate::lattice::{Point2, Point3};
 use crate::mesh::OPEN;
 use crate::slice::crossing;
+use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 
 /// The segments of a run of planes, plane by plane.
@@ -21,19 +21,38 @@ pub(super) struct Layered<'a> {
     run: Range<usize>,
     /// Per plane of the run its first piece; one more entry than planes.
     base: Vec<usize>,
-    pieces: Vec<Piece>,
+    /// Each a [`Piece`].
+    pieces: Vec<[u32; 4]>,
     /// Per triangle the place of its piece on the plane in hand.
     place: Vec<u32>,
     plane: Plane,
 }
 
 /// A segment.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
 struct Piece {
     start: Point2,
     triangle: u32,
     /// The triangle in which the contour goes on; beyond all ids at an open edge.
     next: u32,
+}
+
+/// Segments read before they are computed.
+const BLOCK: usize = 64;
+
+/// A segment about to be computed.
+#[derive(Clone, Copy, Default)]
+struct Cut {
+    /// The edge by which the contour enters the triangle.
+    low: Point3,
+    high: Point3,
+    z: i32,
+    triangle: u32,
+    /// The half-edge behind the one by which the contour leaves.
+    next: u32,
+    /// Where the segment goes.
+    piece: usize,
 }
 
 impl<'a> Layered<'a> {
@@ -63,28 +82,45 @@ impl<'a> Layered<'a> {
             *b = total;
             total += count;
         }
-        let mut pieces = vec![Piece::default(); total];
+        // Memory that the system hands out as zeros is not written twice; this type asks for it.
+        let mut pieces = vec![[0u32; 4]; total];
+        let filling: &mut [Piece] = bytemuck::cast_slice_mut(&mut pieces);
         let mut cursor = base.clone();
+        // Block by block: first all reads, which then do not wait for the arithmetic.
+        let mut block = [Cut::default(); BLOCK];
+        let mut filled = 0;
         for span in lists.iter().flatten().filter(|s| s.meets(&run)) {
             // Written out: as maps over arrays these few lines take twice the time.
             let t = span.triangle as usize;
-            let Some(ids) = surface.corners.get(3 * t..3 * t + 3) else { continue };
-            let z = |i: usize| surface.vertices[ids[i] as usize].z;
-            let (za, zb, zc) = (z(0), z(1), z(2));
+            let (Some(&[a, b, c]), Some(&[ab, bc, ca])) =
+                (surface.corners.as_chunks().0.get(t), surface.twin.as_chunks().0.get(t))
+            else {
+                continue;
+            };
+            let vertices = surface.vertices;
+            let corner = [vertices[a as usize], vertices[b as usize], vertices[c as usize]];
+            let twin = [ab, bc, ca];
             for k in span.first.max(from)..span.end.min(to) {
                 let z = planes[k as usize];
-                let (down, up) = down_up(za, zb, zc, z);
-                let high = surface.vertices[ids[down] as usize];
-                let low = surface.vertices[ids[NEXT[down]] as usize];
+                let (down, up) = down_up(corner[0].z, corner[1].z, corner[2].z, z);
                 let cursor = &mut cursor[(k - from) as usize];
-                pieces[*cursor] = Piece {
-                    start: edge::cut(low, high, z),
+                block[filled] = Cut {
+                    low: corner[NEXT[down]],
+                    high: corner[down],
+                    z,
                     triangle: span.triangle,
-                    next: surface.twin[3 * t + up] / 3,
+                    next: twin[up],
+                    piece: *cursor,
                 };
                 *cursor += 1;
+                filled += 1;
+                if filled == BLOCK {
+                    cut(&block, filling);
+                    filled = 0;
+                }
             }
         }
+        cut(&block[..filled], filling);
         Self { surface, planes, run, base, pieces, place, plane: Plane::default() }
     }
 
@@ -96,7 +132,7 @@ impl<'a> Layered<'a> {
     /// Hands the contours of plane `k` to `finish`.
     pub(super) fn plane(&mut self, k: usize, finish: &mut Finish<'_>) {
         let here = k - self.run.start;
-        let pieces = &self.pieces[self.base[here]..self.base[here + 1]];
+        let pieces: &[Piece] = bytemuck::cast_slice(&self.pieces[self.base[here]..self.base[here + 1]]);
         for (i, piece) in pieces.iter().enumerate() {
             self.place[piece.triangle as usize] = i as u32;
         }
@@ -113,6 +149,16 @@ impl<'a> Layered<'a> {
             let (_, up) = crossing::down_up(corner.map(|c| c.z), z);
             Some(crossing::point(corner[up], corner[(up + 1) % 3], z))
         });
+    }
+}
+
+/// Computes a block of segments.
+fn cut(block: &[Cut], pieces: &mut [Piece]) {
+    for cut in block {
+        if let Some(piece) = pieces.get_mut(cut.piece) {
+            let start = crossing::point_between(cut.low, cut.high, cut.z);
+            *piece = Piece { start, triangle: cut.triangle, next: cut.next / 3 };
+        }
     }
 }
 
