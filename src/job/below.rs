@@ -79,7 +79,7 @@ pub fn below_mesh(
     progress: &dyn Progress,
     mut watch: Stopwatch,
 ) -> Result<(Mesh, BelowSummary), JobError> {
-    let part = part::prepare_with(loaded, name, &job.part, progress, &mut watch)?;
+    let part = part::prepare(loaded, name, &job.part, progress, &mut watch)?;
     let Part { mesh, adjacency, summary, mut warnings } = part;
     progress.stage("cutting");
     watch.stage("cut");

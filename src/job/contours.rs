@@ -119,7 +119,7 @@ pub fn run(
         mesh: &job.mesh,
         file: Some(model),
     };
-    let part = part::prepare_with(loaded, &name, &options, progress, &mut watch)?;
+    let part = part::prepare(loaded, &name, &options, progress, &mut watch)?;
     let Part { mesh, adjacency, summary: mesh_summary, mut warnings } = part;
 
     progress.stage("slicing");

@@ -84,7 +84,7 @@ pub enum JobError {
     Template(#[from] TemplateError),
     /// The GPU asked for is missing or failed.
     #[cfg(feature = "gpu")]
-    #[error(transparent)]
+    #[error("{0}; --backend cpu writes the same without a GPU")]
     Device(#[from] crate::gpu::GpuError),
     /// A GPU was asked for, and this program has none built in.
     #[error(

@@ -95,7 +95,7 @@ fn plan_loaded(
         mesh: &job.mesh,
         file,
     };
-    let part = part::prepare_with(loaded, name, &options, progress, &mut watch)?;
+    let part = part::prepare(loaded, name, &options, progress, &mut watch)?;
     let Part { mesh, adjacency, summary: mesh_summary, warnings: found } = part;
     warnings.extend(found);
 

@@ -57,28 +57,11 @@ pub struct Part {
     pub warnings: Vec<String>,
 }
 
-/// [`prepare_with`] for a part that must fit, with default options and without a file.
-///
-/// # Errors
-/// As [`prepare_with`].
-pub fn prepare(
-    loaded: Loaded,
-    name: &str,
-    printer: &PrinterSettings,
-    placement: Placement,
-    progress: &dyn Progress,
-    watch: &mut Stopwatch,
-) -> Result<Part, JobError> {
-    let mesh = &MeshOptions::default();
-    let options = PartOptions { printer, placement, must_fit: true, mesh, file: None };
-    prepare_with(loaded, name, &options, progress, watch)
-}
-
 /// Snaps, places, joins, audits and orients a mesh; `name` stands for it in messages.
 ///
 /// # Errors
 /// [`JobError::Place`] when it does not fit the printer.
-pub fn prepare_with(
+pub fn prepare(
     loaded: Loaded,
     name: &str,
     options: &PartOptions<'_>,

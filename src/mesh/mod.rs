@@ -22,7 +22,6 @@ pub mod place;
 mod propagate;
 #[cfg(test)]
 mod random;
-pub mod repair;
 pub mod shapes;
 pub mod snap;
 mod stl;
@@ -34,7 +33,6 @@ pub use demo_part::demo_part;
 pub use error::{MeshError, Place};
 pub use load::{Loaded, Warning, load, load_bytes};
 pub use place::{PlaceError, Placement, fits, place};
-pub use repair::flip_if_inside_out;
 
 use crate::lattice::Point3;
 

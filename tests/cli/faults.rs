@@ -2,7 +2,7 @@
 
 use super::{Bench, stderr, stdout};
 use microtome::job::open::OpenContours;
-use microtome::job::part::{MeshOptions, Part, PartOptions, prepare_with};
+use microtome::job::part::{MeshOptions, Part, PartOptions, prepare};
 use microtome::job::progress::Progress;
 use microtome::job::summary::Stopwatch;
 use microtome::lattice::{Point3, mm};
@@ -75,8 +75,7 @@ fn slice(path: &Path, options: &MeshOptions) -> Sliced {
         file: Some(path),
     };
     let part =
-        prepare_with(load(path).unwrap(), "part", &options_of_part, &Silent, &mut Stopwatch::default())
-            .unwrap();
+        prepare(load(path).unwrap(), "part", &options_of_part, &Silent, &mut Stopwatch::default()).unwrap();
     let settings = SlicingSettings {
         layer_height: 0.2,
         first_layer_height: FloatOrPercent::Float(0.2),

@@ -54,6 +54,8 @@ fn missing(_: &Bench) -> Result<(), Failed> {
     write_stl_binary(&shapes::sphere(10.0, 20, 10), &mut stl)?;
     std::fs::write(dir.path().join("model.stl"), stl)?;
     let done = run(dir.path(), &["--backend", "gpu", "--adapter", "no such device", "-o", "out.gcode"])?;
+    let text = String::from_utf8_lossy(&done.stderr).into_owned();
     ensure(done.status.code() == Some(5), format!("{done:?}"))?;
+    ensure(text.contains("no such device") && text.contains("--backend cpu"), text)?;
     ensure(!dir.path().join("out.gcode").exists(), "a file was left")
 }
