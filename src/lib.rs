@@ -14,6 +14,8 @@ pub mod gpu;
 pub mod mesh;
 pub mod slice;
 pub mod span;
+pub mod mask;
+pub mod resin;
 pub mod contour;
 pub mod region;
 pub mod infill;
