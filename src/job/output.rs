@@ -6,7 +6,7 @@
 //! takes its place, which a kill can leave behind.
 
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -131,6 +131,17 @@ impl Write for OutputFile {
             Sink::Nameless(w) => w.flush(),
             Sink::Named(w) => w.flush(),
             Sink::Direct(w) => w.flush(),
+        }
+    }
+}
+
+impl Seek for OutputFile {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match &mut self.sink {
+            #[cfg(target_os = "linux")]
+            Sink::Nameless(w) => w.seek(to),
+            Sink::Named(w) => w.seek(to),
+            Sink::Direct(w) => w.seek(to),
         }
     }
 }

@@ -19,6 +19,7 @@ pub mod load;
 mod nesting;
 pub mod orient;
 pub mod place;
+pub mod plate;
 mod propagate;
 #[cfg(test)]
 mod random;
@@ -26,6 +27,7 @@ pub mod shapes;
 pub mod snap;
 mod stl;
 pub mod stl_write;
+pub mod transform;
 mod weld;
 
 pub use audit::{Audit, audit};
@@ -33,6 +35,7 @@ pub use demo_part::demo_part;
 pub use error::{MeshError, Place};
 pub use load::{Loaded, Warning, load, load_bytes};
 pub use place::{PlaceError, Placement, fits, place};
+pub use transform::Transform;
 
 use crate::lattice::Point3;
 

@@ -36,6 +36,17 @@ pub enum PlaceError {
     /// Small enough, but not on the bed.
     #[error("the part reaches from {:.2}, {:.2} to {:.2}, {:.2} mm, beyond the bed ({:.2}, {:.2} to {:.2}, {:.2} mm); let it be centred, or move it", part[0][0], part[0][1], part[1][0], part[1][1], bed[0][0], bed[0][1], bed[1][0], bed[1][1])]
     OffBed { part: [[f64; 2]; 2], bed: [[f64; 2]; 2] },
+    /// Several parts that do not fit together.
+    #[error("the {parts} parts need {:.2} x {:.2} mm side by side, the plate has {:.2} x {:.2} mm; print fewer at once, turn them, or set a smaller spacing", needs[0], needs[1], plate[0], plate[1])]
+    Crowded { parts: usize, plate: [f64; 2], needs: [f64; 2] },
+    /// Coordinates beyond the lattice.
+    #[error(
+        "the part reaches {reach:.0} mm from its middle, beyond the lattice's 1073 mm; scale it down or move it nearer"
+    )]
+    TooFar { reach: f64 },
+    /// More facets on one plate than can be numbered.
+    #[error("the parts have more than 1.4 billion facets together; print fewer at once")]
+    TooMany,
     /// Part of it would be printed into the bed.
     #[error("the part begins {depth:.3} mm below the bed; let it be dropped onto the bed, or move it")]
     BelowBed { depth: f64 },
