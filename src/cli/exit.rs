@@ -60,12 +60,20 @@ impl CliError {
             Self::Job(e) | Self::Bench(BenchError::Job(e)) => match e {
                 JobError::Mesh(_)
                 | JobError::Place { .. }
+                | JobError::Plate(_)
+                | JobError::OffPanel { .. }
+                | JobError::Section(_)
+                | JobError::Dark { .. }
                 | JobError::Planes { .. }
                 | JobError::Trace(_)
                 | JobError::Direction(_)
                 | JobError::NothingBelow { .. }
                 | JobError::Empty { .. } => 3,
                 JobError::Settings(_)
+                | JobError::Raster(_)
+                | JobError::LayerRange { .. }
+                | JobError::Unfit { .. }
+                | JobError::NoWriter(_)
                 | JobError::Template(_)
                 | JobError::PlaneList(_)
                 | JobError::PlaneFile { .. }

@@ -58,7 +58,7 @@ fn grid(text: &str) -> Result<f64, String> {
 }
 
 /// A length in millimetres within bounds.
-fn length(text: &str, lowest: f64, highest: f64) -> Result<f64, String> {
+pub(super) fn length(text: &str, lowest: f64, highest: f64) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
     // False for NaN too.
     if (lowest..=highest).contains(&value) {

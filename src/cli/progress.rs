@@ -32,6 +32,12 @@ impl Progress for Spinner {
             bar.set_message(name);
         }
     }
+
+    fn layers(&self, done: u64, all: u64) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(format!("layer {done} of {all}"));
+        }
+    }
 }
 
 impl Drop for Spinner {

@@ -85,7 +85,7 @@ pub fn people(s: &Summary) {
 }
 
 /// `1h 2m 3s`.
-fn duration(seconds: f64) -> String {
+pub fn duration(seconds: f64) -> String {
     let s = seconds.round().max(0.0) as u64;
     match (s / 3600, s / 60 % 60, s % 60) {
         (0, 0, s) => format!("{s}s"),

@@ -4,11 +4,13 @@ use super::output::OutputError;
 use crate::contour::TraceError;
 use crate::export::png::PictureError;
 use crate::gcode::template::TemplateError;
+use crate::mask::raster::RasterError;
 use crate::mesh::{MeshError, PlaceError};
 use crate::settings::SettingsError;
 use crate::slice::direction::DirectionError;
 use crate::slice::planes::PlaneError;
 use crate::slice::planes::list::ListError;
+use crate::slice::section::SectionError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -26,6 +28,50 @@ pub enum JobError {
         /// What does not fit.
         error: PlaceError,
     },
+    /// The models do not fit the plate together.
+    #[error("{0}")]
+    Plate(PlaceError),
+    /// The model is larger than what a resin printer lights.
+    #[error(
+        "{model}: {problem}; scale it, turn it with --rotate, split it, or choose a larger printer with --printer"
+    )]
+    OffPanel {
+        /// The model.
+        model: String,
+        /// What does not fit.
+        problem: String,
+    },
+    /// The plate cannot be drawn on the panel.
+    #[error(transparent)]
+    Raster(#[from] RasterError),
+    /// The mesh is too large to be cut.
+    #[error(transparent)]
+    Section(#[from] SectionError),
+    /// No pixel of any layer is lit.
+    #[error("{model}: nothing to print: no layer lights a pixel; check the model's units and its scale")]
+    Dark {
+        /// The model.
+        model: String,
+    },
+    /// Layers that the print does not have.
+    #[error("--layers {}..{}: the print has {layers} layers, counted from 0; choose among these", range.start, range.end)]
+    LayerRange {
+        /// Number of layers of the print.
+        layers: usize,
+        /// The layers asked for.
+        range: std::ops::Range<u32>,
+    },
+    /// A print that the format cannot hold.
+    #[error("{format}: {problem}; choose another format with -o")]
+    Unfit {
+        /// The format.
+        format: &'static str,
+        /// Why not.
+        problem: String,
+    },
+    /// A format that is only read.
+    #[error("{0} files can be read but not written; choose another format with -o")]
+    NoWriter(&'static str),
     /// The model gives no layers, or too many.
     #[error("{model}: {error}")]
     Planes {

@@ -11,6 +11,7 @@ pub mod open;
 pub mod output;
 pub mod part;
 pub mod progress;
+pub mod resin;
 pub mod summary;
 
 pub use error::JobError;

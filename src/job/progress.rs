@@ -4,6 +4,9 @@
 pub trait Progress: Sync {
     /// A stage begins.
     fn stage(&self, name: &'static str);
+
+    /// So many of all layers are written.
+    fn layers(&self, _done: u64, _all: u64) {}
 }
 
 /// Says nothing.

@@ -1,0 +1,137 @@
+//! Holds every layer's mask of a model against a plain scan of its contours, and its area against the
+//! contours' own.
+//!
+//! cargo run --release --example mask_oracle -- MODEL.stl [PRINTER [SUB_ROWS [LAYER_HEIGHT]]]
+//!
+//! The oracle shares neither the sections (it takes the traced contours) nor the scan (it computes every
+//! crossing by itself in 128-bit integers, row by row, and sorts it into a list) nor the pixel rule (it
+//! walks from centre to centre) with the code that it judges.
+#![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs)]
+
+use microtome::contour::{self, TraceOptions};
+use microtome::lattice::{self, Point2};
+use microtome::mask::Panel;
+use microtome::mask::antialias::Shading;
+use microtome::mask::raster::Raster;
+use microtome::mesh::{self, Adjacency, Placement};
+use microtome::resin::{machine, schedule};
+use microtome::settings::{SlicingSettings, printers};
+use microtome::slice::planes::plane_zs;
+use microtome::slice::section::Sections;
+use rayon::prelude::*;
+
+/// Crossings of a row of pixel centres with rings, rounded to nanometres as the rule says, and whether
+/// they go up.
+fn crossings(rings: &[Vec<Point2>], t: i64) -> Vec<(i64, bool)> {
+    let mut found = Vec::new();
+    for ring in rings {
+        for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+            let (up, low, high) = if a.y < b.y { (true, a, b) } else { (false, b, a) };
+            if i64::from(low.y) < t && t <= i64::from(high.y) {
+                let (dx, dy) = (i128::from(high.x) - i128::from(low.x), i128::from(high.y) - i128::from(low.y));
+                let rise = i128::from(t) - i128::from(low.y);
+                // Rounded to the nearest, halves towards +x.
+                let x = i128::from(low.x) + (2 * dx * rise + dy).div_euclid(2 * dy);
+                found.push((x as i64, up));
+            }
+        }
+    }
+    found.sort_unstable();
+    found
+}
+
+/// Lit pixels of a row: those whose centres have a winding number other than 0.
+fn lit(mut crossings: &[(i64, bool)], panel: &Panel, left: i64) -> u64 {
+    let (mut winding, mut lit) = (0, 0);
+    let centre = |i: i64| left + i * panel.pitch_x + (panel.pitch_x + 1) / 2;
+    let mut pixel = 0;
+    while let Some(&(x, _)) = crossings.first() {
+        while pixel < i64::from(panel.width) && centre(pixel) < x {
+            lit += u64::from(winding != 0);
+            pixel += 1;
+        }
+        while let Some((&(at, up), rest)) = crossings.split_first() {
+            if at != x {
+                break;
+            }
+            winding += if up { 1 } else { -1 };
+            crossings = rest;
+        }
+    }
+    lit
+}
+
+fn main() {
+    let mut args = std::env::args().skip(1);
+    let path = args.next().unwrap();
+    let printer = args.next().unwrap_or_else(|| "elegoo-saturn-3-ultra".to_owned());
+    let sub_rows: u32 = args.next().map_or(1, |n| n.parse().unwrap());
+    let mut settings = printers::find(&printer).unwrap().settings().unwrap();
+    settings.slicing.layer_height = args.next().map_or(0.05, |h| h.parse().unwrap());
+    settings.exposure.initial_layer_height = settings.slicing.layer_height;
+    let panel = machine::panel(&settings);
+    assert!(!panel.portrait, "the oracle reads landscape panels");
+    let mut mesh = mesh::load(path.as_ref()).unwrap().mesh;
+    let [w, h] = panel.plate().map(lattice::mm);
+    mesh::place(&mut mesh, &[[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]], Placement::DropAndCentre).unwrap();
+    let adjacency = Adjacency::build(&mesh);
+    let [lo, hi] = mesh.world_bounds().unwrap();
+    let layers = schedule::layers(lo[2], hi[2], &settings).unwrap();
+    let planes = plane_zs(&layers, mesh.origin[2]);
+    let shading = Shading { sub_rows, gamma: 1.0, minimum_grey: 0 };
+    let raster = Raster::new(panel, [mesh.origin[0], mesh.origin[1]], &shading).unwrap();
+    let sections = Sections::new(&mesh, &planes, planes.len().div_ceil(16)).unwrap();
+    let trace = TraceOptions { simplify_tolerance: None, ..TraceOptions::new(&SlicingSettings::default()) };
+    let (left, bottom) = (-mesh.origin[0], -mesh.origin[1]);
+    let results: Vec<Vec<(usize, u64, u64, f64, f64)>> = (0..sections.runs().len())
+        .into_par_iter()
+        .map(|run| {
+            let planes = &planes[sections.runs()[run].clone()];
+            let contours = contour::trace(&mesh, &adjacency, planes, &trace).unwrap();
+            let masks = microtome::mask::layers::layers(&sections, run, &raster);
+            let numbered = sections.runs()[run].clone().zip(masks).zip(contours);
+            numbered
+                .map(|((number, mask), contours)| {
+                    let rings: Vec<Vec<Point2>> = contours.rings.iter().map(|r| r.to_vec()).collect();
+                    let exact: f64 = rings.iter().map(|r| area(r)).sum();
+                    let mut expected = 0;
+                    if sub_rows == 1 {
+                        for row in 0..i64::from(panel.height) {
+                            let t = bottom + row * panel.pitch_y + (panel.pitch_y + 1) / 2;
+                            expected += lit(&crossings(&rings, t), &panel, left);
+                        }
+                    }
+                    (number, mask.lit(), expected, mask.area() * panel.pixel_mm2(), exact)
+                })
+                .collect()
+        })
+        .collect();
+    let layers: Vec<_> = results.into_iter().flatten().collect();
+    let wrong = layers.iter().filter(|l| sub_rows == 1 && l.1 != l.2).count();
+    let (got, exact) = layers.iter().fold((0.0, 0.0), |(a, b), l| (a + l.3, b + l.4));
+    // Self-overlapping sections have a smaller area than the sum of their rings; there are none in the
+    // models that this is meant for.
+    let off = |l: &&(usize, u64, u64, f64, f64)| (l.3 / l.4 - 1.0).abs();
+    let large: Vec<_> = layers.iter().filter(|l| l.4 > 10.0).collect();
+    let worst = large.iter().max_by(|a, b| off(a).total_cmp(&off(b)));
+    println!(
+        "{path}: {} layers, {sub_rows} sub-rows: {} pixels, {wrong} layers differ from the oracle; volume {:+.5} %; \
+         worst layer above 10 mm2: {:.4} % (layer {}, {:.2} mm2)",
+        layers.len(),
+        layers.iter().map(|l| l.1).sum::<u64>(),
+        (got / exact - 1.0) * 100.0,
+        worst.map_or(0.0, |l| off(l) * 100.0),
+        worst.map_or(0, |l| l.0),
+        worst.map_or(0.0, |l| l.4),
+    );
+    assert_eq!(wrong, 0);
+}
+
+fn area(ring: &[Point2]) -> f64 {
+    let origin = ring[0];
+    let sum: i128 = ring
+        .windows(2)
+        .map(|w| i128::from(microtome::lattice::cross(origin, w[0], w[1])))
+        .sum();
+    sum as f64 / 2.0 * 1e-12
+}
