@@ -5,7 +5,6 @@
 //! area. All sums are integers, so their order does not matter.
 
 use super::MaskLayer;
-use std::ops::Range;
 
 /// How the border of an area is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,6 +68,8 @@ impl Greys {
     }
 }
 
+const NO_WORDS: [usize; 2] = [usize::MAX, 0];
+
 /// The coverage of a row of pixels.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Coverage {
@@ -76,14 +77,14 @@ pub(super) struct Coverage {
     sums: Vec<[i32; 2]>,
     /// A bit per pixel in which an end lies.
     noted: Vec<u64>,
-    /// The words in which bits are set.
-    words: Range<usize>,
+    /// The bits set lie in words from one to behind another.
+    words: [usize; 2],
 }
 
 impl Coverage {
     pub(super) fn new(width: u32) -> Self {
         let pixels = width as usize + 1;
-        Self { sums: vec![[0; 2]; pixels], noted: vec![0; pixels.div_ceil(64)], words: usize::MAX..0 }
+        Self { sums: vec![[0; 2]; pixels], noted: vec![0; pixels.div_ceil(64)], words: NO_WORDS }
     }
 
     /// An end of a span on one of the sub-rows, in a pixel, with this much of the pixel behind it;
@@ -95,13 +96,14 @@ impl Coverage {
         sum[0] += sign * behind;
         sum[1] += sign * pitch;
         *noted |= 1 << (pixel % 64);
-        self.words = self.words.start.min(word)..self.words.end.max(word + 1);
+        self.words = [self.words[0].min(word), self.words[1].max(word + 1)];
     }
 
     /// Draws the row, whose first pixel is number `first`, and begins the next.
     pub(super) fn draw(&mut self, first: u32, greys: &Greys, mask: &mut MaskLayer) {
         let (mut at, mut covered, mut grey) = (0u32, 0i32, 0u8);
-        for word in std::mem::replace(&mut self.words, usize::MAX..0) {
+        let [from, to] = std::mem::replace(&mut self.words, NO_WORDS);
+        for word in from..to {
             let Some(noted) = self.noted.get_mut(word) else { continue };
             let mut bits = std::mem::take(noted);
             while bits != 0 {
