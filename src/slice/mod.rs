@@ -15,6 +15,7 @@ pub mod direction;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod planes;
+pub mod section;
 
 use crate::lattice::Point2;
 

@@ -4,11 +4,13 @@
 
 pub mod algebra;
 pub mod components;
+pub mod edges;
 pub mod frame;
 pub mod rows;
 pub mod scan;
 
-pub use frame::RowFrame;
+pub use edges::EdgeScan;
+pub use frame::{Axis, RowFrame};
 pub use rows::{Rows, RowsBuilder, Span};
 pub use scan::{Hit, Trace, scan, trace};
 

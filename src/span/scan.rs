@@ -79,7 +79,8 @@ fn walk(ring: &[Point2], index: u32, frame: &RowFrame, hits: &mut Vec<Hit>) {
     let (mut s0, mut t0) = frame.st(last);
     let mut row0 = frame.row_below(t0.into());
     // The strip row0 <= t < next that holds the previous vertex: most edges stay in it.
-    let (mut low, mut high) = (frame.t(row0), frame.t(row0) + frame.pitch());
+    let (mut low, mut high) = (frame.t(row0), frame.t(row0 + 1));
+    let divided = frame.sub_rows() > 1;
     let begun = hits.len();
     let mut closing = 0;
     for (i, &p) in ring.iter().enumerate() {
@@ -87,26 +88,26 @@ fn walk(ring: &[Point2], index: u32, frame: &RowFrame, hits: &mut Vec<Hit>) {
         if i64::from(t1) < low || i64::from(t1) >= high {
             // Steps to a neighbouring strip need no division.
             let row1 = match i64::from(t1) - low {
+                _ if divided => frame.row_below(t1.into()),
                 d if (frame.pitch()..2 * frame.pitch()).contains(&d) => row0 + 1,
                 d if (-frame.pitch()..0).contains(&d) => row0 - 1,
                 _ => frame.row_below(t1.into()),
             };
             let edge = if i == 0 { ring.len() - 1 } else { i - 1 } as u32;
-            let mut t = frame.t(row0);
             if row1 > row0 {
                 for row in row0 + 1..=row1 {
-                    t += frame.pitch();
+                    let t = frame.t(row);
                     hits.push(Hit { row, s: crossing(s0, t0, s1, t1, t), ring: index, edge, up: true });
                 }
             } else {
                 for row in (row1 + 1..=row0).rev() {
+                    let t = frame.t(row);
                     hits.push(Hit { row, s: crossing(s1, t1, s0, t0, t), ring: index, edge, up: false });
-                    t -= frame.pitch();
                 }
             }
             row0 = row1;
             low = frame.t(row1);
-            high = low + frame.pitch();
+            high = frame.t(row1 + 1);
         }
         if i == 0 {
             closing = hits.len() - begun;

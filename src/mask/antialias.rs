@@ -1,0 +1,125 @@
+//! Spans on sub-rows → grey pixels by exact coverage.
+//!
+//! A span covers a part of its first and last pixel and all between. Each of its ends is noted at its
+//! pixel alone, and a sweep over the noted pixels sums them: the cost is that of the border, not of the
+//! area. All sums are integers, so their order does not matter.
+
+use super::MaskLayer;
+
+/// How the border of an area is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shading {
+    /// Sub-rows of a row of pixels: 1, black and white by pixel centres; 2, 4, 8 or 16, grey by coverage.
+    pub sub_rows: u32,
+    /// Exponent of the grey: 1, as covered; 0, black and white at a half; between, lighter borders.
+    pub gamma: f64,
+    /// Greys that are neither black nor white are raised to this.
+    pub minimum_grey: u8,
+}
+
+impl Default for Shading {
+    fn default() -> Self {
+        Self { sub_rows: 1, gamma: 1.0, minimum_grey: 0 }
+    }
+}
+
+impl Shading {
+    /// The grey to be drawn for each grey of coverage.
+    pub fn table(&self) -> [u8; 256] {
+        let mut table = [0; 256];
+        for (covered, grey) in (0u8..=255).zip(&mut table) {
+            let share = f64::from(covered) / 255.0;
+            let shown = if self.gamma > 0.0 {
+                (libm::pow(share, self.gamma) * 255.0 + 0.5) as u8
+            } else if share < 0.5 {
+                0
+            } else {
+                255
+            };
+            *grey = if (1..255).contains(&shown) { shown.max(self.minimum_grey) } else { shown };
+        }
+        table
+    }
+}
+
+/// Coverage → grey.
+#[derive(Clone, Debug)]
+pub(super) struct Greys {
+    table: [u8; 256],
+    /// Full coverage: sub-rows times pitch, at most 2^26.
+    full: u64,
+    /// 2^64 over twice that, rounded up.
+    inverse: u64,
+}
+
+impl Greys {
+    pub(super) fn new(shading: &Shading, pitch: i64) -> Self {
+        let full = (u64::from(shading.sub_rows) * pitch.unsigned_abs()).clamp(1, 1 << 26);
+        Self { table: shading.table(), full, inverse: u64::MAX / (2 * full) + 1 }
+    }
+
+    /// The table's entry for 255 · covered / full, rounded, halves up.
+    #[inline]
+    fn of(&self, covered: i32) -> u8 {
+        // Numerator below 2^36, divisor at most 2^27: exact, as their product is below 2^64.
+        let twice = 510 * u64::try_from(covered).unwrap_or(0).min(self.full) + self.full;
+        let grey = (u128::from(twice) * u128::from(self.inverse)) >> 64;
+        self.table[(grey as usize).min(255)]
+    }
+}
+
+const NO_WORDS: [usize; 2] = [usize::MAX, 0];
+
+/// The coverage of a row of pixels.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Coverage {
+    /// Per pixel what the ends in it add to its coverage and to that of each pixel behind it \[nm\].
+    sums: Vec<[i32; 2]>,
+    /// A bit per pixel in which an end lies.
+    noted: Vec<u64>,
+    /// The bits set lie in words from one to behind another.
+    words: [usize; 2],
+}
+
+impl Coverage {
+    pub(super) fn new(width: u32) -> Self {
+        let pixels = width as usize + 1;
+        Self { sums: vec![[0; 2]; pixels], noted: vec![0; pixels.div_ceil(64)], words: NO_WORDS }
+    }
+
+    /// An end of a span on one of the sub-rows, in a pixel, with this much of the pixel behind it;
+    /// `sign` is -1 where the span ends.
+    #[inline]
+    pub(super) fn note(&mut self, pixel: u32, behind: i32, pitch: i32, sign: i32) {
+        let (pixel, word) = (pixel as usize, pixel as usize / 64);
+        let (Some(sum), Some(noted)) = (self.sums.get_mut(pixel), self.noted.get_mut(word)) else { return };
+        sum[0] += sign * behind;
+        sum[1] += sign * pitch;
+        *noted |= 1 << (pixel % 64);
+        self.words = [self.words[0].min(word), self.words[1].max(word + 1)];
+    }
+
+    /// Draws the row, whose first pixel is number `first`, and begins the next.
+    pub(super) fn draw(&mut self, first: u32, greys: &Greys, mask: &mut MaskLayer) {
+        let (mut at, mut covered, mut grey) = (0u32, 0i32, 0u8);
+        let [from, to] = std::mem::replace(&mut self.words, NO_WORDS);
+        for word in from..to {
+            let Some(noted) = self.noted.get_mut(word) else { continue };
+            let mut bits = std::mem::take(noted);
+            while bits != 0 {
+                let pixel = word as u32 * 64 + bits.trailing_zeros();
+                bits &= bits - 1;
+                let Some(sum) = self.sums.get_mut(pixel as usize) else { continue };
+                let [own, behind] = std::mem::take(sum);
+                mask.push(first + at, first + pixel, grey);
+                // The last entry is the edge of the panel, no pixel.
+                if own + covered != 0 {
+                    mask.push(first + pixel, first + pixel + 1, greys.of(covered + own));
+                }
+                covered += behind;
+                grey = if covered == 0 { 0 } else { greys.of(covered) };
+                at = pixel + 1;
+            }
+        }
+    }
+}

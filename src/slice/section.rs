@@ -1,0 +1,406 @@
+//! Mesh × a run of ascending planes → the directed edges of each section, without links.
+//!
+//! What fills areas row by row needs no contours, so no adjacency either. Between its lowest, middle
+//! and highest vertex a triangle is two slabs; the same two edges bound a slab on all its planes. Slabs
+//! are kept with the slopes of their edges while planes pass through them.
+
+use super::chunk::{self, PlaneSearch};
+use super::crossing::{exact_point, moved};
+use crate::lattice::{Point2, Point3};
+use crate::mesh::Mesh;
+use rayon::prelude::*;
+use std::ops::Range;
+use thiserror::Error;
+
+/// Why a mesh cannot be cut by a list of planes.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum SectionError {
+    /// A triangle names a vertex that does not exist.
+    #[error("triangle {triangle} has vertex {vertex}, but there are only {vertices}")]
+    Vertex {
+        /// Index of the triangle.
+        triangle: usize,
+        /// Its vertex id.
+        vertex: u32,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// More triangles or planes than 31-bit ids can name.
+    #[error("{what} exceed 2^31; split the model")]
+    TooMany {
+        /// What there are too many of.
+        what: &'static str,
+    },
+    /// The planes are not in ascending order.
+    #[error("plane {index} lies below the one before it; sort the planes")]
+    Order {
+        /// Index of the plane.
+        index: usize,
+    },
+}
+
+/// A mesh and planes, cut into runs of planes of about equal work that can be swept independently.
+#[derive(Debug)]
+pub struct Sections<'a> {
+    mesh: &'a Mesh,
+    planes: &'a [i32],
+    runs: Vec<Range<usize>>,
+    /// Per run the slabs that meet it, in blocks.
+    slabs: Vec<Vec<Vec<Slab>>>,
+    /// Per plane whether its section may differ from the one before.
+    changes: Vec<bool>,
+}
+
+/// The section of one plane.
+#[derive(Clone, Copy, Debug)]
+pub struct Section<'s> {
+    /// Index of the plane.
+    pub plane: usize,
+    /// The edges \[nm, mesh frame\] in no particular order, solid on their left: from where the triangle's
+    /// edge that goes down crosses the plane to where the one that goes up does, both as by
+    /// [`super::crossing::point`].
+    pub edges: &'s [[Point2; 2]],
+    /// The section covers the same area as that of the plane before, on every row along x, y or a
+    /// diagonal; `edges` are then that plane's. Known without looking at any edge: no triangle begins or
+    /// ends between the two, and all that meet them stand upright along x or y without a gap. Never set
+    /// on a run's first plane.
+    pub unchanged: bool,
+}
+
+/// Half of a triangle: the part below or above its middle vertex, on the planes `from..to`.
+#[derive(Clone, Copy, Debug)]
+struct Slab {
+    triangle: u32,
+    from: u32,
+    to: u32,
+}
+
+impl<'a> Sections<'a> {
+    /// Prepares to cut a mesh by ascending planes \[nm, mesh frame\], in about that many runs.
+    ///
+    /// # Errors
+    /// [`SectionError`] when mesh and planes do not fit together.
+    pub fn new(mesh: &'a Mesh, planes: &'a [i32], runs: usize) -> Result<Self, SectionError> {
+        for (what, n) in [("triangles", mesh.triangles.len()), ("planes", planes.len())] {
+            if n >= 1 << 31 {
+                return Err(SectionError::TooMany { what });
+            }
+        }
+        if let Some(i) = planes.windows(2).position(|w| w[0] > w[1]) {
+            return Err(SectionError::Order { index: i + 1 });
+        }
+        let search = PlaneSearch::new(planes);
+        let level: Vec<u32> =
+            mesh.vertices.par_iter().with_min_len(1 << 12).map(|v| search.at_or_below(v.z)).collect();
+        // Every block counts all planes: no more blocks than pay for that.
+        let block =
+            (mesh.triangles.len() / (4 * rayon::current_num_threads())).max(1 << 14).max(planes.len());
+        let blocks: Vec<Block> = mesh
+            .triangles
+            .par_chunks(block)
+            .enumerate()
+            .map(|(b, triangles)| Block::new(mesh, &level, planes.len(), b * block, triangles))
+            .collect::<Result<_, _>>()?;
+        let (mut weight, mut changes) = (Vec::with_capacity(planes.len()), Vec::with_capacity(planes.len()));
+        let (mut count, mut moving, mut open) = (0u64, 0u64, 0u64);
+        for k in 0..planes.len() {
+            let mut changed = false;
+            for step in blocks.iter().filter_map(|b| b.steps.get(k)) {
+                count = count.wrapping_add(step.count);
+                moving = moving.wrapping_add(step.moving);
+                open = open.wrapping_add(step.open);
+                changed |= step.changes;
+            }
+            changed |= moving != 0 || open != 0;
+            changes.push(changed);
+            weight.push(if changed { count } else { 0 });
+        }
+        // What follows has a price per plane too.
+        let total: u64 = weight.iter().sum();
+        let least = total / (4 * planes.len().max(1) as u64) + 1;
+        weight.iter_mut().for_each(|w| *w += least);
+        let total: u64 = weight.iter().sum();
+        let runs = chunk::runs(&weight, total.div_ceil(runs.max(1) as u64));
+        let slabs = by_run(blocks.into_iter().map(|b| b.slabs).collect(), planes.len(), &runs);
+        Ok(Self { mesh, planes, runs, slabs, changes })
+    }
+
+    /// The runs: all planes in order.
+    pub fn runs(&self) -> &[Range<usize>] {
+        &self.runs
+    }
+
+    /// Begins the sweep of a run; nothing for a run that does not exist.
+    pub fn sweep(&self, run: usize) -> Sweep<'_> {
+        let planes = self.runs.get(run).cloned().unwrap_or(0..0);
+        let lists = self.slabs.get(run).map_or(&[][..], |lists| lists);
+        Sweep::new(self, planes, lists)
+    }
+}
+
+/// What a block of triangles has to do with the planes.
+struct Block {
+    slabs: Vec<Slab>,
+    steps: Vec<Step>,
+}
+
+/// Changes from the plane before; sums wrap.
+#[derive(Clone, Copy, Default)]
+struct Step {
+    /// Slabs.
+    count: u64,
+    /// Slabs that do not stand upright along x or y.
+    moving: u64,
+    /// Sum over the slabs that do: a hash of the sloping edge by which the section enters, minus that of
+    /// the one by which it leaves. Where none has a gap the sum is zero; otherwise it is so for one in
+    /// 2^64.
+    open: u64,
+    /// A slab begins or ends.
+    changes: bool,
+}
+
+impl Block {
+    fn new(
+        mesh: &Mesh,
+        level: &[u32],
+        planes: usize,
+        first: usize,
+        triangles: &[[u32; 3]],
+    ) -> Result<Self, SectionError> {
+        let mut block =
+            Self { slabs: Vec::with_capacity(2 * triangles.len()), steps: vec![Step::default(); planes + 1] };
+        for (t, corners) in (first..).zip(triangles) {
+            let [a, b, c] = *corners;
+            let get = |v: u32| level.get(v as usize).copied();
+            let (Some(a), Some(b), Some(c)) = (get(a), get(b), get(c)) else {
+                let vertex = corners[0].max(corners[1]).max(corners[2]);
+                return Err(SectionError::Vertex { triangle: t, vertex, vertices: level.len() });
+            };
+            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+            let middle = a.max(b).min(a.min(b).max(c));
+            for (from, to) in [(low, middle), (middle, high)] {
+                if from < to {
+                    block.push(mesh, level, Slab { triangle: t as u32, from, to });
+                }
+            }
+        }
+        Ok(block)
+    }
+
+    #[inline(always)]
+    fn push(&mut self, mesh: &Mesh, level: &[u32], slab: Slab) {
+        self.slabs.push(slab);
+        let (moving, open) = if slab.to - slab.from > 1 { upright(mesh, level, slab) } else { (0, 0) };
+        let from = &mut self.steps[slab.from as usize];
+        from.count = from.count.wrapping_add(1);
+        from.moving = from.moving.wrapping_add(moving);
+        from.open = from.open.wrapping_add(open);
+        from.changes = true;
+        let to = &mut self.steps[slab.to as usize];
+        to.count = to.count.wrapping_sub(1);
+        to.moving = to.moving.wrapping_sub(moving);
+        to.open = to.open.wrapping_sub(open);
+        to.changes = true;
+    }
+}
+
+/// What a slab adds to [`Step::moving`] and [`Step::open`].
+fn upright(mesh: &Mesh, level: &[u32], slab: Slab) -> (u64, u64) {
+    let ids = mesh.triangles[slab.triangle as usize];
+    let corner = ids.map(|v| mesh.vertices[v as usize]);
+    let along = |get: fn(Point3) -> i32| get(corner[0]) == get(corner[1]) && get(corner[1]) == get(corner[2]);
+    if !along(|p| p.x) && !along(|p| p.y) {
+        return (1, 0);
+    }
+    let above = ids.map(|v| level[v as usize] > slab.from);
+    let (down, up) = down_up(above);
+    // Edges that stand upright do not move.
+    let hash = |i: usize| {
+        let (a, b) = (i, NEXT[i]);
+        let upright = corner[a].xy() == corner[b].xy();
+        if upright { 0 } else { mix(u64::from(ids[a].min(ids[b])) << 32 | u64::from(ids[a].max(ids[b]))) }
+    };
+    (0, hash(down).wrapping_sub(hash(up)))
+}
+
+/// Steele, Lea and Flood, "Fast splittable pseudorandom number generators" (2014).
+fn mix(mut x: u64) -> u64 {
+    x = (x ^ x >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    x = (x ^ x >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+    x ^ x >> 31
+}
+
+/// The corner behind a corner.
+const NEXT: [usize; 3] = [1, 2, 0];
+
+/// [`super::crossing::down_up`] without a jump that depends on the data, from which corners lie above.
+#[inline(always)]
+fn down_up(above: [bool; 3]) -> (usize, usize) {
+    const DOWN: [u8; 8] = [0, 0, 1, 1, 2, 0, 2, 0];
+    const UP: [u8; 8] = [0, 2, 0, 2, 1, 1, 0, 0];
+    let set = usize::from(above[0]) | usize::from(above[1]) << 1 | usize::from(above[2]) << 2;
+    (DOWN[set].into(), UP[set].into())
+}
+
+/// Per run its lists of slabs.
+fn by_run(blocks: Vec<Vec<Slab>>, planes: usize, runs: &[Range<usize>]) -> Vec<Vec<Vec<Slab>>> {
+    if runs.len() < 2 {
+        return vec![blocks];
+    }
+    let mut run_of = vec![0u32; planes];
+    for (r, run) in runs.iter().enumerate() {
+        run_of[run.clone()].fill(r as u32);
+    }
+    let blocks: Vec<Vec<Vec<Slab>>> = blocks
+        .into_par_iter()
+        .map(|block| {
+            let mut lists = vec![Vec::new(); runs.len()];
+            for slab in block {
+                let (from, to) = (run_of[slab.from as usize], run_of[slab.to as usize - 1]);
+                for list in &mut lists[from as usize..=to as usize] {
+                    list.push(slab);
+                }
+            }
+            lists
+        })
+        .collect();
+    let mut per_run = vec![Vec::with_capacity(blocks.len()); runs.len()];
+    for block in blocks {
+        for (lists, list) in per_run.iter_mut().zip(block) {
+            lists.push(list);
+        }
+    }
+    per_run
+}
+
+/// A sweep over a run of planes.
+#[derive(Debug)]
+pub struct Sweep<'a> {
+    sections: &'a Sections<'a>,
+    run: Range<usize>,
+    /// The next plane.
+    next: usize,
+    /// Slabs sorted by the plane of the run where they begin, and per plane the end of its slabs.
+    waiting: Vec<(u32, u32)>,
+    begun: Vec<u32>,
+    /// The slabs that meet the last plane.
+    active: Vec<Active>,
+    edges: Vec<[Point2; 2]>,
+}
+
+/// A slab that planes pass through: start and end of its section as x, y, x, y.
+#[derive(Clone, Copy, Debug)]
+struct Active {
+    /// dx/dz and dy/dz.
+    slope: [f64; 4],
+    /// Of the lower vertices.
+    low: [i32; 4],
+    low_z: [i32; 2],
+    to: u32,
+    triangle: u32,
+}
+
+impl<'a> Sweep<'a> {
+    fn new(sections: &'a Sections<'a>, run: Range<usize>, lists: &[Vec<Slab>]) -> Self {
+        let from = run.start as u32;
+        let slabs = || lists.iter().flatten();
+        let place = |slab: &Slab| (slab.from.max(from) - from) as usize;
+        let mut begun = vec![0u32; run.len() + 1];
+        for slab in slabs() {
+            begun[place(slab) + 1] += 1;
+        }
+        for k in 1..begun.len() {
+            begun[k] += begun[k - 1];
+        }
+        let mut waiting = vec![(0, 0); begun.last().map_or(0, |&n| n as usize)];
+        for slab in slabs() {
+            let cursor = &mut begun[place(slab)];
+            waiting[*cursor as usize] = (slab.triangle, slab.to);
+            *cursor += 1;
+        }
+        Self { sections, next: run.start, run, waiting, begun, active: Vec::new(), edges: Vec::new() }
+    }
+
+    /// The section of the next plane; `None` behind the run's last.
+    pub fn next_section(&mut self) -> Option<Section<'_>> {
+        let k = self.next;
+        if k >= self.run.end {
+            return None;
+        }
+        self.next += 1;
+        let unchanged = k > self.run.start && !self.sections.changes[k];
+        if !unchanged {
+            self.begin(k);
+            self.cut(k);
+        }
+        Some(Section { plane: k, edges: &self.edges, unchanged })
+    }
+
+    /// Prepares the slabs that begin at a plane.
+    fn begin(&mut self, k: usize) {
+        let here = k - self.run.start;
+        let from = if here == 0 { 0 } else { self.begun[here - 1] };
+        let z = self.sections.planes[k];
+        let mesh = self.sections.mesh;
+        for &(triangle, to) in &self.waiting[from as usize..self.begun[here] as usize] {
+            let corner = mesh.triangles[triangle as usize].map(|v| mesh.vertices[v as usize]);
+            self.active.push(Active::new(corner, z, triangle, to));
+        }
+    }
+
+    /// Computes the section, and leaves out the slabs that have ended.
+    fn cut(&mut self, k: usize) {
+        let z = self.sections.planes[k];
+        self.edges.clear();
+        self.edges.reserve(self.active.len());
+        let mut i = 0;
+        while let Some(slab) = self.active.get(i) {
+            if slab.to as usize <= k {
+                self.active.swap_remove(i);
+                continue;
+            }
+            let (edge, certain) = slab.cut(z);
+            self.edges.push(if certain { edge } else { exact(self.sections.mesh, slab.triangle, z) });
+            i += 1;
+        }
+    }
+}
+
+impl Active {
+    #[inline(always)]
+    fn new(corner: [Point3; 3], z: i32, triangle: u32, to: u32) -> Self {
+        let (down, up) = down_up(corner.map(|c| c.z >= z));
+        let (start, end) = ([corner[NEXT[down]], corner[down]], [corner[up], corner[NEXT[up]]]);
+        let slope = |[low, high]: [Point3; 2]| {
+            // Below 2^31, as coordinates are below 2^30.
+            let difference = |to: i32, from: i32| f64::from(to.wrapping_sub(from));
+            let inverse = 1.0 / difference(high.z, low.z);
+            [difference(high.x, low.x) * inverse, difference(high.y, low.y) * inverse]
+        };
+        let ([sx, sy], [ex, ey]) = (slope(start), slope(end));
+        Self {
+            slope: [sx, sy, ex, ey],
+            low: [start[0].x, start[0].y, end[0].x, end[0].y],
+            low_z: [start[0].z, end[0].z],
+            to,
+            triangle,
+        }
+    }
+
+    /// The section, and whether it is certain. Three roundings of a value below 2^31 err by less than
+    /// 2^-20, which [`moved`] allows for.
+    #[inline(always)]
+    fn cut(&self, z: i32) -> ([Point2; 2], bool) {
+        let rise = self.low_z.map(|low| f64::from(z.wrapping_sub(low)));
+        let c = [0, 1, 2, 3].map(|i| moved(self.low[i], self.slope[i] * rise[i / 2]));
+        let certain = c[0].1 & c[1].1 & c[2].1 & c[3].1;
+        ([Point2::new(c[0].0, c[1].0), Point2::new(c[2].0, c[3].0)], certain)
+    }
+}
+
+#[cold]
+fn exact(mesh: &Mesh, triangle: u32, z: i32) -> [Point2; 2] {
+    let corner = mesh.triangles[triangle as usize].map(|v| mesh.vertices[v as usize]);
+    let (down, up) = down_up(corner.map(|c| c.z >= z));
+    [exact_point(corner[NEXT[down]], corner[down], z), exact_point(corner[up], corner[NEXT[up]], z)]
+}
