@@ -5,12 +5,17 @@
 pub mod algebra;
 pub mod components;
 pub mod frame;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod rows;
 pub mod scan;
+pub mod twin;
+pub mod window;
 
 pub use frame::RowFrame;
 pub use rows::{Rows, RowsBuilder, Span};
 pub use scan::{Hit, Trace, scan, trace};
+pub use window::{RowWindow, WindowError};
 
 #[cfg(test)]
 pub(crate) mod tests;
