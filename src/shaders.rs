@@ -119,6 +119,38 @@ pub struct EdgeSizes {
     pub padding: [u32; 3],
 }
 
+/// Uniform of the kernels that turn segments into spans: a run of planes on a window of rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SpanSizes {
+    /// Direction of the rows: `s = a x + b y`, `t = a y - b x`.
+    pub a: i32,
+    /// See `a`.
+    pub b: i32,
+    /// Position of the first line \[units\].
+    pub base: i32,
+    /// Distance of lines \[units\].
+    pub pitch: u32,
+    /// Lines of a plane.
+    pub lines: u32,
+    /// Rows of a line.
+    pub sub_rows: u32,
+    /// Rows of a plane: `lines * sub_rows`.
+    pub rows: u32,
+    /// Planes in the run.
+    pub planes: u32,
+    /// Triangles of the mesh.
+    pub triangles: u32,
+    /// Segments of the run.
+    pub segments: u32,
+    /// Crossings of the run; not known to [`SPAN_COUNT`].
+    pub crossings: u32,
+    /// Zero.
+    pub padding: u32,
+    /// Where the rows of a line lie, from the line \[units\]; ascending, below the pitch.
+    pub offsets: [u32; 16],
+}
+
 /// Exclusive prefix sums within blocks. Bindings: sizes, values, sums, block sums.
 pub const SCAN_BLOCK: Kernel = Kernel {
     name: "scan_block",
@@ -333,6 +365,75 @@ pub const EDGE_PAIRS: Kernel = Kernel {
     bindings: &[Binding::Uniform, Binding::Read, Binding::Read, Binding::Write],
 };
 
+/// Rows that each segment crosses. Bindings: sizes, start, next, first, offset, count, bucket, steps,
+/// totals.
+pub const SPAN_COUNT: Kernel = Kernel {
+    name: "span_count",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/span.wgsl"),
+        include_str!("../shaders/shared/segment.wgsl"),
+        include_str!("../shaders/shared/owner.wgsl"),
+        include_str!("../shaders/span_count.wgsl")
+    ),
+    bindings: &[
+        Binding::Uniform,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Write,
+        Binding::Write,
+        Binding::Write,
+        Binding::Write,
+    ],
+};
+
+/// Crossings in their buckets. Bindings: sizes, start, next, offset, bucket, row offset, expected, keys.
+pub const SPAN_FILL: Kernel = Kernel {
+    name: "span_fill",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/wide.wgsl"),
+        include_str!("../shaders/shared/span.wgsl"),
+        include_str!("../shaders/shared/segment.wgsl"),
+        include_str!("../shaders/shared/owner.wgsl"),
+        include_str!("../shaders/span_fill.wgsl")
+    ),
+    bindings: &[
+        Binding::Uniform,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Write,
+        Binding::Write,
+    ],
+};
+
+/// Spans in the place of each row's keys. Bindings: sizes, row offset, keys, count.
+pub const SPAN_SORT: Kernel = Kernel {
+    name: "span_sort",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/span.wgsl"),
+        include_str!("../shaders/span_sort.wgsl")
+    ),
+    bindings: &[Binding::Uniform, Binding::Read, Binding::Write, Binding::Write],
+};
+
+/// Spans of all rows, densely. Bindings: sizes, row offset, keys, span offset, spans.
+pub const SPAN_COMPACT: Kernel = Kernel {
+    name: "span_compact",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/span.wgsl"),
+        include_str!("../shaders/span_compact.wgsl")
+    ),
+    bindings: &[Binding::Uniform, Binding::Read, Binding::Read, Binding::Read, Binding::Write],
+};
+
 /// Every kernel of the crate.
 pub const fn sources() -> &'static [Kernel] {
     &[
@@ -352,5 +453,9 @@ pub const fn sources() -> &'static [Kernel] {
         SLICE_COUNT,
         SLICE_EMIT,
         SLICE_EMIT_EVEN,
+        SPAN_COUNT,
+        SPAN_FILL,
+        SPAN_SORT,
+        SPAN_COMPACT,
     ]
 }

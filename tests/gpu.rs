@@ -21,6 +21,10 @@ mod meshes;
 mod scan;
 #[path = "gpu/slice.rs"]
 mod slice;
+#[path = "gpu/span.rs"]
+mod span;
+#[path = "gpu/span_limits.rs"]
+mod span_limits;
 #[path = "gpu/wide.rs"]
 mod wide;
 
@@ -69,9 +73,18 @@ fn main() -> ExitCode {
     // An empty part matches every name: software devices are welcome here.
     let found = choose(&Selection::Named(asked.clone().unwrap_or_default()));
     let required = asked.is_some() || std::env::var("MICROTOME_REQUIRE_GPU").is_ok_and(|v| v == "1");
-    let tests: Vec<Test> =
-        [scan::TESTS, wide::TESTS, slice::TESTS, build::TESTS, limits::TESTS, faults::TESTS, files::TESTS]
-            .concat();
+    let tests: Vec<Test> = [
+        scan::TESTS,
+        wide::TESTS,
+        slice::TESTS,
+        build::TESTS,
+        span::TESTS,
+        span_limits::TESTS,
+        limits::TESTS,
+        faults::TESTS,
+        files::TESTS,
+    ]
+    .concat();
     let trials = match found {
         Ok(adapter) => {
             let on = adapter.info.name.clone();

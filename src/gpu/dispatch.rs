@@ -50,7 +50,7 @@ pub struct Recording<'d> {
 }
 
 /// Bytes of every uniform buffer; no kernel's sizes take more.
-const UNIFORM: u64 = 64;
+const UNIFORM: u64 = 128;
 
 /// Array contents on their way back to the host.
 pub struct Readback<T> {

@@ -5,9 +5,11 @@
 
 mod flight;
 mod mesh;
+mod resident;
 mod soup;
 
 pub use mesh::GpuMesh;
+pub use resident::ResidentSegments;
 pub use soup::{Arrays, Built};
 
 use super::Segments;

@@ -6,13 +6,18 @@ pub mod algebra;
 pub mod components;
 pub mod edges;
 pub mod frame;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod rows;
 pub mod scan;
+pub mod twin;
+pub mod window;
 
 pub use edges::EdgeScan;
 pub use frame::{Axis, RowFrame};
 pub use rows::{Rows, RowsBuilder, Span};
 pub use scan::{Hit, Trace, scan, trace};
+pub use window::{RowWindow, WindowError};
 
 #[cfg(test)]
 pub(crate) mod tests;

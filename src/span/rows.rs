@@ -29,6 +29,24 @@ pub struct Rows {
 }
 
 impl Rows {
+    /// Rows from `first` on: the spans of the i-th lie at `offset[i]..offset[i + 1]` of `spans`, all counted
+    /// from `offset[0]`; spans ascend within a row and neither overlap nor touch. Empty rows at either end
+    /// are left out. `None` when the offsets descend or do not cover the spans.
+    pub(super) fn from_parts(first: i32, offset: &[u32], spans: Vec<Span>) -> Option<Self> {
+        let ascend = offset.windows(2).all(|pair| pair[0] <= pair[1]);
+        let (begin, end) = (*offset.first()?, *offset.last()?);
+        if !ascend || (end - begin) as usize != spans.len() {
+            return None;
+        }
+        if spans.is_empty() {
+            return Some(Self::default());
+        }
+        let above = offset.partition_point(|&o| o == begin) - 1;
+        let below = offset.partition_point(|&o| o < end);
+        let offset = offset[above..=below].iter().map(|o| o - begin).collect();
+        Some(Self { first: first + above as i32, offset, spans })
+    }
+
     /// Index of the first stored row.
     #[inline]
     pub fn first(&self) -> i32 {

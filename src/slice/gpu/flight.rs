@@ -21,12 +21,12 @@ const IN_STEP: usize = 32;
 
 /// The arrays of one run.
 pub(super) struct Flight {
-    planes: Buffer<i32>,
-    first: Buffer<u32>,
+    pub(super) planes: Buffer<i32>,
+    pub(super) first: Buffer<u32>,
     count: Buffer<u32>,
-    offset: Buffer<u32>,
-    start: Buffer<Point2>,
-    next: Buffer<u32>,
+    pub(super) offset: Buffer<u32>,
+    pub(super) start: Buffer<Point2>,
+    pub(super) next: Buffer<u32>,
     scratch: Scratch,
 }
 
@@ -93,12 +93,35 @@ impl Flight {
         planes: u32,
         times: &mut Option<Times>,
     ) -> Result<(Vec<u32>, Vec<u32>), GpuError> {
+        let begun = Instant::now();
+        let mut recording = Recording::new(device, times.is_some())?;
+        self.record_count(device, &mut recording, mesh, planes)?;
+        let mut recording = kernels_alone(device, recording, begun, times)?;
+        let begun = Instant::now();
+        let (first, offset) = (recording.read_back(&self.first)?, recording.read_back(&self.offset)?);
+        let submission = recording.submit()?;
+        copies_alone(device, &submission, begun, times)?;
+        let begun = Instant::now();
+        let result = (first.take(device, &submission)?, offset.take(device, &submission)?);
+        if let Some(times) = times {
+            times.copies.fetched += 4 * (result.0.len() + result.1.len()) as u64;
+            times.copies.unpack += nanoseconds(begun);
+        }
+        Ok(result)
+    }
+
+    /// Records first plane and first slot of every triangle.
+    pub(super) fn record_count(
+        &mut self,
+        device: &Device,
+        recording: &mut Recording,
+        mesh: &GpuMesh,
+        planes: u32,
+    ) -> Result<(), GpuError> {
         let triangles = mesh.triangles();
         self.first.resize(device, triangles)?;
         self.count.resize(device, triangles)?;
         self.offset.resize(device, triangles + 1)?;
-        let begun = Instant::now();
-        let mut recording = Recording::new(device, times.is_some())?;
         for piece in &mesh.pieces {
             let sizes = SliceSizes {
                 triangles: piece.range.len() as u32,
@@ -114,19 +137,7 @@ impl Flight {
                 piece.range.len() as u64,
             )?;
         }
-        scan::record(device, &mut recording, &mut self.scratch, &self.count, &self.offset)?;
-        let mut recording = kernels_alone(device, recording, begun, times)?;
-        let begun = Instant::now();
-        let (first, offset) = (recording.read_back(&self.first)?, recording.read_back(&self.offset)?);
-        let submission = recording.submit()?;
-        copies_alone(device, &submission, begun, times)?;
-        let begun = Instant::now();
-        let result = (first.take(device, &submission)?, offset.take(device, &submission)?);
-        if let Some(times) = times {
-            times.copies.fetched += 4 * (result.0.len() + result.1.len()) as u64;
-            times.copies.unpack += nanoseconds(begun);
-        }
-        Ok(result)
+        scan::record(device, recording, &mut self.scratch, &self.count, &self.offset)
     }
 
     /// Start and successor of every segment, in as many parts as bindings ask for.
