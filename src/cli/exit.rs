@@ -4,6 +4,7 @@ use super::setting_flags::FlagError;
 use crate::bench::BenchError;
 use crate::export::UnknownFormat;
 use crate::job::JobError;
+use crate::settings::printers::PrinterError;
 use std::process::ExitCode;
 use thiserror::Error;
 
@@ -24,6 +25,9 @@ pub enum CliError {
     /// A setting on the command line, or in a file that it names, is wrong.
     #[error(transparent)]
     Setting(#[from] FlagError),
+    /// No printer has the name given.
+    #[error(transparent)]
+    Printer(#[from] PrinterError),
     /// The name of an output says nothing about its format.
     #[error(transparent)]
     Format(#[from] UnknownFormat),
@@ -51,7 +55,7 @@ impl CliError {
     pub fn code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Format(_) => 2,
-            Self::Setting(_) => 4,
+            Self::Setting(_) | Self::Printer(_) => 4,
             Self::Differs { .. } => 5,
             Self::Stdout(e) if e.kind() == std::io::ErrorKind::BrokenPipe => 0,
             Self::Stdout(_) => 6,

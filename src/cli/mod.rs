@@ -8,6 +8,7 @@ pub mod devices;
 pub mod exit;
 pub mod mesh_args;
 pub mod options;
+pub mod printers;
 pub mod progress;
 pub mod report;
 pub mod setting_flags;
@@ -38,6 +39,8 @@ enum Command {
     Below(below::BelowArgs),
     /// List the GPUs and say which one `--backend auto` would take, and why
     Devices(devices::DevicesArgs),
+    /// List the resin printers that are known by name, or describe one as a settings file
+    Printers(printers::PrintersArgs),
     /// Time slicing stage by stage: the literature's algorithms, the CPU, GPUs; compare what they give
     Bench(bench::BenchArgs),
 }
@@ -93,6 +96,7 @@ fn run(command: &Command) -> Result<(), CliError> {
         Command::Demo(args) => demo::run(args),
         Command::Below(args) => below::run(args),
         Command::Devices(args) => devices::run(args),
+        Command::Printers(args) => printers::run(args),
         Command::Bench(args) => bench::run(args),
     }
 }

@@ -1,7 +1,9 @@
-//! Settings on the command line: `--load FILE`, a flag for each key, `--set key=value`.
+//! Settings on the command line: `--printer NAME`, `--load FILE`, a flag for each key, `--set key=value`.
 
+use crate::settings::printers::PrinterError;
 use crate::settings::{
-    Assigned, KEYS, Key, Kind, LoadReport, Settings, SettingsError, Stage, ValueError, Warning, load_file,
+    Assigned, Key, Kind, LoadReport, PrinterTechnology, Settings, SettingsError, Stage, ValueError, Warning,
+    keys, load_file, printers,
 };
 use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, ArgMatches, Command};
@@ -11,6 +13,9 @@ use std::sync::LazyLock;
 /// Why the settings of a command line were refused.
 #[derive(Debug, thiserror::Error)]
 pub enum FlagError {
+    /// A printer given to `--printer`.
+    #[error("--printer: {0}")]
+    Printer(#[from] PrinterError),
     /// A file given to `--load`.
     #[error(transparent)]
     Load(#[from] SettingsError),
@@ -47,16 +52,31 @@ pub struct FlagReport {
     pub warnings: Vec<Warning>,
 }
 
-/// The settings as typed, for `#[command(flatten)]` in a derived parser.
+/// The settings of a technology as typed, for `#[command(flatten)]` in a derived parser.
 #[derive(Clone, Debug, Default)]
-pub struct SettingFlags {
+pub struct FlagsOf<const RESIN: bool> {
+    /// The printer's name or file; of resin printers only.
+    pub printer: Option<String>,
     load: Vec<PathBuf>,
     flags: Vec<(&'static Key, String)>,
     set: Vec<String>,
 }
 
-/// `--load`, `--set` and a long flag for each key of the registry, grouped by stage.
-pub fn command_flags() -> Vec<Arg> {
+/// The settings of a filament printer as typed.
+pub type SettingFlags = FlagsOf<false>;
+
+/// The settings of a resin printer as typed, `--printer` included.
+pub type ResinFlags = FlagsOf<true>;
+
+/// `--load`, `--set` and a long flag for each key of a technology, grouped by stage; for resin also
+/// `--printer`.
+fn command_flags(technology: PrinterTechnology) -> Vec<Arg> {
+    let printer = Arg::new("printer")
+        .long("printer")
+        .value_name("NAME|FILE.toml")
+        .action(ArgAction::Set)
+        .help("The printer, as listed by `microtome printers`, or a settings file that describes one")
+        .help_heading("Settings");
     let load = Arg::new("load")
         .long("load")
         .value_name("FILE")
@@ -70,18 +90,16 @@ pub fn command_flags() -> Vec<Arg> {
         .action(ArgAction::Append)
         .help("Set any setting, after --load and the flags below; may be repeated")
         .help_heading("Settings");
-    [load, set].into_iter().chain(Stage::ALL.into_iter().flat_map(stage_flags)).collect()
-}
-
-fn stage_flags(stage: Stage) -> impl Iterator<Item = Arg> {
-    KEYS.iter().filter(move |k| k.stage == stage).map(flag)
+    let printer = (technology == PrinterTechnology::Sla).then_some(printer);
+    let keys = Stage::ALL.into_iter().flat_map(|stage| keys::of_stage(technology, stage));
+    printer.into_iter().chain([load, set]).chain(keys.map(|key| flag(key, technology))).collect()
 }
 
 /// `layer_height` as a flag is `--layer-height`; with underscores it works too.
-fn flag(key: &'static Key) -> Arg {
+fn flag(key: &'static Key, technology: PrinterTechnology) -> Arg {
     let dashed = dashed(key);
     let arg = Arg::new(key.name)
-        .help(help(key))
+        .help(help(key, technology))
         .help_heading(key.stage.heading())
         .value_name(value_name(&key.kind))
         .action(ArgAction::Set)
@@ -91,7 +109,7 @@ fn flag(key: &'static Key) -> Arg {
         // The value needs its "=", or `--cooling part.stl` would eat the file.
         Kind::Flag => arg.num_args(0..=1).require_equals(true).default_missing_value("1"),
         Kind::Text | Kind::Choice(..) => arg,
-        Kind::Points(..) => arg.allow_hyphen_values(true),
+        Kind::Points(..) | Kind::LengthOrPixels(..) => arg.allow_hyphen_values(true),
         // Where "-5" makes no sense the range refuses it, and says what is allowed.
         _ => arg.allow_negative_numbers(true),
     }
@@ -99,8 +117,10 @@ fn flag(key: &'static Key) -> Arg {
 
 /// The flag's name without its dashes, e.g. `layer-height`. clap wants names that live as long as the program.
 fn dashed(key: &Key) -> &'static str {
-    static NAMES: LazyLock<Vec<(&str, String)>> =
-        LazyLock::new(|| KEYS.iter().map(|k| (k.name, k.name.replace('_', "-"))).collect());
+    static NAMES: LazyLock<Vec<(&str, String)>> = LazyLock::new(|| {
+        let all = [PrinterTechnology::Fff, PrinterTechnology::Sla].into_iter().flat_map(keys::of);
+        all.map(|k| (k.name, k.name.replace('_', "-"))).collect()
+    });
     NAMES.iter().find(|(name, _)| *name == key.name).map_or(key.name, |(_, dashed)| dashed)
 }
 
@@ -110,28 +130,29 @@ fn value_name(kind: &Kind) -> &'static str {
         Kind::Count(..) | Kind::Number(..) => "N",
         Kind::Percent(..) => "N%",
         Kind::NumberOrPercent(..) => "N|N%",
+        Kind::LengthOrPixels(..) => "N|Npx",
         Kind::Text => "TEXT",
         Kind::Points(..) => "XxY,...",
         Kind::Choice(..) => "NAME",
     }
 }
 
-fn help(key: &Key) -> String {
+fn help(key: &Key, technology: PrinterTechnology) -> String {
     let unit = match key.kind {
         Kind::Choice(names, _) => names.join(", "),
         // The default shows the sign.
         Kind::Percent(..) => String::new(),
         _ => key.unit.to_owned(),
     };
-    let default = key.default_text();
+    let default = key.default_text(technology);
     let default = if default.is_empty() { default } else { format!("default {default}") };
     let facts: Vec<String> = [unit, default].into_iter().filter(|f| !f.is_empty()).collect();
     if facts.is_empty() { key.help.to_owned() } else { format!("{} ({})", key.help, facts.join("; ")) }
 }
 
-impl clap::Args for SettingFlags {
+impl<const RESIN: bool> clap::Args for FlagsOf<RESIN> {
     fn augment_args(command: Command) -> Command {
-        command.args(command_flags())
+        command.args(command_flags(Self::TECHNOLOGY))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -139,42 +160,45 @@ impl clap::Args for SettingFlags {
     }
 }
 
-impl clap::FromArgMatches for SettingFlags {
+impl<const RESIN: bool> clap::FromArgMatches for FlagsOf<RESIN> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        Ok(typed(matches))
+        Ok(Self::typed(matches))
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        *self = typed(matches);
+        *self = Self::typed(matches);
         Ok(())
     }
 }
 
-fn typed(matches: &ArgMatches) -> SettingFlags {
-    let all = |id: &str| matches.get_many::<String>(id).into_iter().flatten().cloned().collect();
-    let flags = KEYS.iter().filter_map(|k| Some((k, matches.get_one::<String>(k.name)?.clone())));
-    SettingFlags {
-        load: matches.get_many::<PathBuf>("load").into_iter().flatten().cloned().collect(),
-        flags: flags.collect(),
-        set: all("set"),
+impl<const RESIN: bool> FlagsOf<RESIN> {
+    const TECHNOLOGY: PrinterTechnology = if RESIN { PrinterTechnology::Sla } else { PrinterTechnology::Fff };
+
+    fn typed(matches: &ArgMatches) -> Self {
+        let flags =
+            keys::of(Self::TECHNOLOGY).filter_map(|k| Some((k, matches.get_one::<String>(k.name)?.clone())));
+        Self {
+            printer: if RESIN { matches.get_one::<String>("printer").cloned() } else { None },
+            load: matches.get_many::<PathBuf>("load").into_iter().flatten().cloned().collect(),
+            flags: flags.collect(),
+            set: matches.get_many::<String>("set").into_iter().flatten().cloned().collect(),
+        }
     }
-}
 
-/// Applies files, then flags, then `--set`, as given to a command that has [`command_flags`].
-///
-/// # Errors
-/// [`FlagError`] for the first value that is refused.
-pub fn apply(matches: &ArgMatches, settings: &mut Settings) -> Result<FlagReport, FlagError> {
-    typed(matches).apply(settings)
-}
-
-impl SettingFlags {
-    /// Applies files, then flags, then `--set`.
+    /// Applies the printer's preset, then files, then flags, then `--set`; `settings` are those of the
+    /// technology.
     ///
     /// # Errors
     /// [`FlagError`] for the first value that is refused.
     pub fn apply(&self, settings: &mut Settings) -> Result<FlagReport, FlagError> {
         let mut report = FlagReport::default();
+        if let Some(name) = &self.printer {
+            let loaded = printers::apply(name, settings)?;
+            report.warnings.extend_from_slice(&loaded.warnings);
+            if printers::is_file(name) {
+                report.files.push((name.into(), loaded));
+            }
+        }
         for path in &self.load {
             let loaded = load_file(path, settings)?;
             report.warnings.extend_from_slice(&loaded.warnings);
@@ -190,12 +214,26 @@ impl SettingFlags {
             let (key, value) = text
                 .split_once('=')
                 .ok_or_else(|| FlagError::NoValue { text: text.escape_debug().to_string() })?;
+            let key = key.trim();
             let assigned = settings
-                .assign(key.trim(), value)
+                .assign(key, value)
                 .map_err(|error| FlagError::Set { text: text.escape_debug().to_string(), error })?;
+            let stray = keys::find(key).filter(|_| assigned == Assigned::NotHonoured(None));
             report.warnings.extend(warning(assigned));
+            report.warnings.extend(stray.map(|key| other_technology(key, value)));
         }
         Ok(report)
+    }
+}
+
+/// In a file a setting of the other technology is nothing to speak of; typed by hand it is.
+fn other_technology(key: &Key, value: &str) -> Warning {
+    let printers = if key.technology.fits(PrinterTechnology::Sla) { "resin" } else { "filament" };
+    Warning {
+        place: "--set".to_owned(),
+        key: key.name.to_owned(),
+        value: value.escape_debug().to_string(),
+        message: format!("a setting of {printers} printers, so it has no effect here"),
     }
 }
 
@@ -225,21 +263,106 @@ mod tests {
         Ok((settings, report, parsed.model))
     }
 
+    #[derive(Parser)]
+    struct ResinLine {
+        #[command(flatten)]
+        settings: ResinFlags,
+    }
+
+    fn resin_line(line: &[&str]) -> Result<(Settings, FlagReport), String> {
+        let parsed = ResinLine::try_parse_from([&["mask"], line].concat()).map_err(|e| e.to_string())?;
+        let mut settings = Settings::resin();
+        let report = parsed.settings.apply(&mut settings).map_err(|e| e.to_string())?;
+        Ok((settings, report))
+    }
+
+    #[test]
+    fn preset_then_files_then_flags_then_set() {
+        let file = tempfile::Builder::new().suffix(".ini").tempfile().unwrap();
+        let text = "printer_technology = SLA\nexposure_time = 3\ninitial_exposure_time = 31\nfaded_layers = 8\n\
+                    perimeters = 3\nsupports_enable = 1\nprinter_model = X\n";
+        std::fs::write(file.path(), text).unwrap();
+        let path = file.path().to_str().unwrap();
+        let line = [
+            "--set",
+            "exposure_time=5",
+            "--exposure-time=4",
+            "--initial-exposure-time",
+            "32",
+            "--load",
+            path,
+        ];
+        let (s, report) = resin_line(&[&line[..], &["--printer", "prusa-sl1s"]].concat()).unwrap();
+        let e = &s.exposure;
+        assert_eq!((e.exposure_time, e.initial_exposure_time, e.faded_layers), (5.0, 32.0, 8));
+        assert_eq!((s.display.display_pixels_x, s.machine.printer_model.as_str()), (2560, "X"));
+        let loaded = &report.files[0].1;
+        assert_eq!((report.files.len(), loaded.applied, loaded.ignored.len()), (1, 5, 2));
+        assert_eq!(report.warnings.len(), 1, "{:?}", report.warnings);
+        assert_eq!(report.warnings[0].key, "supports_enable");
+    }
+
+    #[test]
+    fn resin_refusals_name_the_flag() {
+        let error = |line: &[&str]| resin_line(line).err().unwrap_or_default();
+        assert!(
+            error(&["--printer", "elegoo-satrun"])
+                .starts_with("--printer: there is no printer \"elegoo-satrun\"; did you mean elegoo-saturn?")
+        );
+        assert!(error(&["--printer", "none.toml"]).starts_with("--printer: none.toml: cannot read"));
+        assert!(error(&["--anti-aliasing", "3"]).ends_with("is not a choice here; allowed: 1, 2, 4, 8, 16"));
+        assert!(
+            error(&["--absolute-correction", "9cm"])
+                .ends_with("allowed: a number (mm) from -10 to 10, or up to 500 pixels such as 2px")
+        );
+        assert!(error(&["--set", "printer_technology=FFF"]).contains("means a filament printer"));
+        assert_eq!(
+            resin_line(&["--absolute-correction", "-2px"]).unwrap().0.image.absolute_correction,
+            crate::settings::LengthOrPixels::Pixels(-2.0)
+        );
+        // A setting of the other technology, typed by hand, is worth a word.
+        let (_, report) = resin_line(&["--set", "perimeters=3"]).unwrap();
+        assert_eq!(
+            report.warnings[0].to_string(),
+            "--set: perimeters = 3: a setting of filament printers, so it has no effect here"
+        );
+        let (_, report, _) = apply_line(&["--set", "exposure_time=3"]).unwrap();
+        assert_eq!(
+            report.warnings[0].to_string(),
+            "--set: exposure_time = 3: a setting of resin printers, so it has no effect here"
+        );
+    }
+
     #[test]
     fn clap_accepts_the_definition() {
         use clap::CommandFactory;
         Line::command().debug_assert();
         let help = Line::command().render_long_help().to_string();
-        assert!(KEYS.iter().all(|k| help.contains(&format!("--{}", dashed(k)))));
-        assert!(help.contains("Printer settings:"));
+        let named = |help: &str, key: &Key| {
+            help.contains(&format!("--{} ", dashed(key))) || help.contains(&format!("--{}[", dashed(key)))
+        };
+        assert!(keys::of(PrinterTechnology::Fff).all(|k| named(&help, k)));
+        assert!(help.contains("Printer settings:") && !help.contains("Exposure settings:"));
+        assert!(crate::settings::RESIN_KEYS.iter().all(|k| !named(&help, k)) && !help.contains("--printer "));
+        ResinLine::command().debug_assert();
+        let help = ResinLine::command().render_long_help().to_string();
+        assert!(keys::of(PrinterTechnology::Sla).all(|k| named(&help, k)));
+        assert!(help.contains("Exposure settings:") && help.contains("--printer <NAME|FILE.toml>"));
+        let filament =
+            keys::of(PrinterTechnology::Fff).filter(|k| !k.technology.fits(PrinterTechnology::Sla));
+        assert!(filament.into_iter().all(|k| !named(&help, k)));
     }
 
     #[test]
     fn each_key_has_a_flag_that_takes_its_default() {
-        for key in KEYS {
-            let arg = format!("--{}={}", dashed(key), key.default_text());
+        for key in keys::of(PrinterTechnology::Fff) {
+            let arg = format!("--{}={}", dashed(key), key.default_text(PrinterTechnology::Fff));
             let (settings, ..) = apply_line(&[&arg]).unwrap();
             assert_eq!(settings, Settings::default(), "{arg}");
+        }
+        for key in keys::of(PrinterTechnology::Sla) {
+            let arg = format!("--{}={}", dashed(key), key.default_text(PrinterTechnology::Sla));
+            assert_eq!(resin_line(&[&arg]).unwrap().0, Settings::resin(), "{arg}");
         }
     }
 

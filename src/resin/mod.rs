@@ -5,7 +5,9 @@
 
 pub mod container;
 pub mod error;
+pub mod machine;
 pub mod print;
+pub mod schedule;
 
 pub use container::{Container, LayerSink, Reader, WriteSeek};
 pub use error::ReadError;

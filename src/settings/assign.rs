@@ -1,10 +1,10 @@
 //! Setting and reading a value by its key.
 
 use super::foreign;
-use super::keys::{self, KEYS, Key};
+use super::keys::{self, Key};
 use super::kind::Kind;
 use super::suggest;
-use super::types::Settings;
+use super::types::{PrinterTechnology, Settings};
 use super::value::{Problem, escape, unescape};
 use std::fmt;
 
@@ -89,6 +89,22 @@ pub(super) fn brief(value: &str) -> String {
     if value.chars().nth(60).is_some() { line + "..." } else { line }
 }
 
+/// The key that names the technology. A command decides it and no value changes it.
+const TECHNOLOGY: &str = "printer_technology";
+
+/// Why a file for the other technology is refused, as the rest of a sentence.
+fn other_technology(own: PrinterTechnology) -> &'static str {
+    match own {
+        PrinterTechnology::Fff => "means a resin printer, whose settings do not fit a filament job",
+        PrinterTechnology::Sla => "means a filament printer, whose settings do not fit a resin job",
+    }
+}
+
+/// Whether a technology has a setting of that name, honoured or not.
+fn is_known(key: &str, technology: PrinterTechnology) -> bool {
+    keys::of(technology).any(|k| k.name == key) || foreign::find(key, technology).is_some()
+}
+
 impl Settings {
     /// Sets `key` from a text in PrusaSlicer's syntax and says what came of it.
     ///
@@ -97,10 +113,15 @@ impl Settings {
     /// # Errors
     /// [`ValueError`]; the settings are then unchanged.
     pub fn assign(&mut self, key: &str, value: &str) -> Result<Assigned, ValueError> {
-        let Some(row) = keys::find(key) else {
-            return match foreign::find(key) {
+        let technology = self.technology();
+        let Some(row) = keys::find(key).filter(|k| k.technology.fits(technology)) else {
+            return match foreign::find(key, technology) {
                 Some(f) => Ok(Assigned::NotHonoured(f.warning(value.trim()))),
-                None => Err(ValueError::Unknown { key: brief(key), suggestion: suggest::nearest(key) }),
+                None if is_known(key, technology.other()) => Ok(Assigned::NotHonoured(None)),
+                None => {
+                    let suggestion = suggest::nearest(key, technology);
+                    Err(ValueError::Unknown { key: brief(key), suggestion })
+                }
             };
         };
         // Blanks around a template are part of it.
@@ -108,6 +129,14 @@ impl Settings {
         let allowed = || row.kind.allowed(row.unit);
         let bad =
             |problem| ValueError::Bad { key: row.name, value: brief(value), problem, allowed: allowed() };
+        if row.name == TECHNOLOGY && value == technology.other().name() {
+            return Err(ValueError::Bad {
+                key: row.name,
+                value: brief(value),
+                problem: other_technology(technology).to_owned(),
+                allowed: technology.name().to_owned(),
+            });
+        }
         let (first, warning) =
             if row.per_extruder { row.first_entry(value) } else { Ok((value.to_owned(), None)) }.map_err(
                 |p| match p {
@@ -132,14 +161,15 @@ impl Settings {
         self.assign(key, value).map(|_| ())
     }
 
-    /// The value of `key` in PrusaSlicer's syntax; `None` for a key that is not honoured.
+    /// The value of `key` in PrusaSlicer's syntax; `None` for a key that is not honoured, or is of
+    /// another technology.
     pub fn get(&self, key: &str) -> Option<String> {
-        keys::find(key).map(|k| k.get(self))
+        keys::find(key).filter(|k| k.technology.fits(self.technology())).map(|k| k.get(self))
     }
 
-    /// Every key and its value, sorted by key: the config block of a G-code file.
+    /// Every key of the technology and its value, sorted by key: the config block of a G-code file.
     pub fn entries(&self) -> impl Iterator<Item = (&'static str, String)> {
-        let mut rows: Vec<&'static Key> = KEYS.iter().collect();
+        let mut rows: Vec<&'static Key> = keys::of(self.technology()).collect();
         rows.sort_unstable_by_key(|k| k.name);
         rows.into_iter().map(|k| (k.name, k.get(self)))
     }
@@ -150,7 +180,10 @@ impl Settings {
             Some(base) => (base, true),
             None => (name, false),
         };
-        let row = keys::find(base).filter(|k| k.per_extruder || !indexed)?;
+        let row = keys::find(base).filter(|k| k.technology.fits(self.technology()))?;
+        if indexed && !row.per_extruder {
+            return None;
+        }
         // The raw text of a template or a name; reading back what was written cannot fail.
         match row.kind {
             Kind::Text => unescape(&(row.write)(self)).ok(),

@@ -1,6 +1,8 @@
 //! Settings PrusaSlicer has and this crate does not honour yet.
 
 use super::assign::Warning;
+use super::foreign_resin::FOREIGN_RESIN;
+use super::types::PrinterTechnology;
 
 /// A key that is known by name only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,9 +13,18 @@ pub struct Foreign {
     pub off: Option<&'static [&'static str]>,
 }
 
-/// The key of that name.
-pub fn find(name: &str) -> Option<&'static Foreign> {
-    FOREIGN.binary_search_by(|f| f.name.cmp(name)).ok().and_then(|i| FOREIGN.get(i))
+/// The key of that name, among those of a technology.
+pub fn find(name: &str, technology: PrinterTechnology) -> Option<&'static Foreign> {
+    let table = of(technology);
+    table.binary_search_by(|f| f.name.cmp(name)).ok().and_then(|i| table.get(i))
+}
+
+/// The keys of a technology, sorted by name.
+pub fn of(technology: PrinterTechnology) -> &'static [Foreign] {
+    match technology {
+        PrinterTechnology::Fff => FOREIGN,
+        PrinterTechnology::Sla => FOREIGN_RESIN,
+    }
 }
 
 impl Foreign {
@@ -38,11 +49,11 @@ fn same(a: &str, b: &str) -> bool {
     a == b || flag(a).is_some_and(|a| Some(a) == flag(b))
 }
 
-const fn quiet(name: &'static str) -> Foreign {
+pub(super) const fn quiet(name: &'static str) -> Foreign {
     Foreign { name, off: None }
 }
 
-const fn seen(name: &'static str, off: &'static [&'static str]) -> Foreign {
+pub(super) const fn seen(name: &'static str, off: &'static [&'static str]) -> Foreign {
     Foreign { name, off: Some(off) }
 }
 
@@ -357,14 +368,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_is_sorted_and_disjoint_from_the_registry() {
-        assert!(FOREIGN.windows(2).all(|w| w[0].name < w[1].name));
-        assert!(FOREIGN.iter().all(|f| keys::find(f.name).is_none()));
+    fn the_tables_are_sorted_and_disjoint_from_the_registry() {
+        for technology in [PrinterTechnology::Fff, PrinterTechnology::Sla] {
+            assert!(of(technology).windows(2).all(|w| w[0].name < w[1].name));
+            assert!(of(technology).iter().all(|f| keys::of(technology).all(|k| k.name != f.name)));
+        }
     }
 
     #[test]
     fn only_values_that_ask_for_something_warn() {
-        let warns = |key: &str, value: &str| find(key).and_then(|f| f.warning(value)).is_some();
+        let warns = |key: &str, value: &str| {
+            find(key, PrinterTechnology::Fff).and_then(|f| f.warning(value)).is_some()
+        };
         for (key, value) in
             [("support_material", "1"), ("brim_width", "5"), ("fuzzy_skin", "all"), ("wipe", "0,1")]
         {

@@ -1,16 +1,20 @@
 //! The registry: one row per setting, and everything else follows from it.
 
 use super::assign::quote;
+use super::keys_resin::RESIN_KEYS;
 use super::kind::Kind::{self, Choice, Count, Flag, Number, NumberOrPercent, Percent, Points, Text};
 use super::kind::Stage;
-use super::types::Settings;
-use super::value::{Problem, Value, unescape};
+use super::kind::Technology;
+use super::types::{PrinterTechnology, Settings};
+use super::value::{Problem, unescape};
 
 /// One setting: its name and syntax, and the way to its field.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
-    /// PrusaSlicer's name, e.g. `layer_height`.
+    /// PrusaSlicer's name, e.g. `layer_height`. No other setting has it, of whatever technology.
     pub name: &'static str,
+    /// The jobs that have it.
+    pub technology: Technology,
     /// The stage it belongs to.
     pub stage: Stage,
     /// Unit of a bare number; empty where there is none.
@@ -36,39 +40,56 @@ impl Key {
         }
     }
 
-    /// The default value, in PrusaSlicer's syntax.
-    pub fn default_text(&self) -> String {
-        self.get(&Settings::default())
+    /// The default value for a technology, in PrusaSlicer's syntax.
+    pub fn default_text(&self, technology: PrinterTechnology) -> String {
+        self.get(&Settings::of(technology))
     }
 }
 
-/// The key of that name.
+/// The key of that name, of whatever technology.
 pub fn find(name: &str) -> Option<&'static Key> {
-    KEYS.iter().find(|k| k.name == name)
+    KEYS.iter().chain(RESIN_KEYS).find(|k| k.name == name)
 }
 
-/// Rows `Stage stage.field: [@each] Kind, "unit", "help";` - the field's name is the key's, and `@each` marks a
-/// value per extruder.
+/// The keys of a technology, in the order of the registry.
+pub fn of(technology: PrinterTechnology) -> impl Iterator<Item = &'static Key> {
+    KEYS.iter().chain(RESIN_KEYS).filter(move |k| k.technology.fits(technology))
+}
+
+/// The keys of a stage.
+pub fn of_stage(technology: PrinterTechnology, stage: Stage) -> impl Iterator<Item = &'static Key> {
+    of(technology).filter(move |k| k.stage == stage)
+}
+
+/// Rows `Stage stage.field: [@mark] Kind, "unit", "help";` - the field's name is the key's; `@each` marks a
+/// value per extruder, `@both` a setting of all technologies.
 macro_rules! registry {
-    ($($stage:ident $part:ident.$field:ident: $(@ $each:ident)? $kind:expr, $unit:literal, $help:literal;)*) => {
-        /// Every setting this crate honours, grouped by stage.
-        pub static KEYS: &[Key] = &[$(Key {
+    (
+        $(#[$doc:meta])* $table:ident of $technology:ident:
+        $($stage:ident $part:ident.$field:ident: $(@ $mark:ident)? $kind:expr, $unit:literal, $help:literal;)*
+    ) => {
+        $(#[$doc])*
+        pub static $table: &[$crate::settings::keys::Key] = &[$($crate::settings::keys::Key {
             name: stringify!($field),
-            stage: Stage::$stage,
+            technology: $crate::settings::keys::registry!(of $technology $($mark)?),
+            stage: $crate::settings::kind::Stage::$stage,
             unit: $unit,
             kind: $kind,
-            per_extruder: registry!(is_each $($each)?),
+            per_extruder: $crate::settings::keys::registry!(is_each $($mark)?),
             help: $help,
             read: |settings, text| {
-                settings.$part.$field = Value::read(text, &$kind)?;
+                settings.$part.$field = $crate::settings::value::Value::read(text, &$kind)?;
                 Ok(())
             },
-            write: |settings| settings.$part.$field.write(&$kind),
+            write: |settings| $crate::settings::value::Value::write(&settings.$part.$field, &$kind),
         },)*];
     };
     (is_each each) => { true };
-    (is_each) => { false };
+    (is_each $($mark:ident)?) => { false };
+    (of $technology:ident both) => { $crate::settings::kind::Technology::Both };
+    (of $technology:ident $($mark:ident)?) => { $crate::settings::kind::Technology::$technology };
 }
+pub(super) use registry;
 
 /// A line width: a length, or a percentage of the layer height; 0 means automatic.
 const WIDTH: Kind = NumberOrPercent(0.0, 20.0, 2000.0);
@@ -103,7 +124,9 @@ const SPARSE_PATTERNS: Kind = Choice(
 );
 
 registry! {
-    Slicing slicing.layer_height: Number(0.01, 10.0), "mm", "Layer thickness";
+    /// The settings of filament printers, those that resin printers share included, grouped by stage.
+    KEYS of Filament:
+    Slicing slicing.layer_height: @both Number(0.01, 10.0), "mm", "Layer thickness";
     Slicing slicing.first_layer_height: NumberOrPercent(0.01, 10.0, 1000.0), "mm", "Thickness of the first layer; % of layer_height";
     Slicing slicing.adaptive_layer_height: Flag, "", "Layers as thick as the surface's slope allows, instead of layer_height";
     Slicing slicing.adaptive_cusp_height: Number(0.001, 10.0), "mm", "Greatest step that an adaptive layer leaves on a slope, across the surface";
@@ -184,9 +207,9 @@ registry! {
     Filament filament.bed_temperature: @each Count(0, 300), "°C", "Bed temperature; 0 leaves it alone";
     Filament filament.first_layer_bed_temperature: @each Count(0, 300), "°C", "Bed temperature of the first layer; 0 leaves it alone";
 
-    Printer printer.printer_technology: Choice(&["FFF"], &[]), "", "How the machine builds; only filament printers have these settings";
+    Printer printer.printer_technology: @both Choice(&["FFF", "SLA"], &[]), "", "How the machine builds: of filament or of resin; given by the command, so that a file for the other kind is refused";
     Printer printer.bed_shape: Points(-10_000.0, 10_000.0), "mm", "Outline of the bed";
-    Printer printer.max_print_height: Number(0.0, 10_000.0), "mm", "Height of the build volume; 0 = unlimited";
+    Printer printer.max_print_height: @both Number(0.0, 10_000.0), "mm", "Height of the build volume; 0 = unlimited";
     Printer printer.nozzle_diameter: @each Number(0.05, 10.0), "mm", "Bore of the nozzle";
     Printer printer.gcode_flavor: Choice(&["reprap", "reprapfirmware", "marlin", "marlin2", "klipper"], &[]), "", "Dialect of the firmware";
     Printer printer.z_offset: Number(-100.0, 100.0), "mm", "Added to every Z";

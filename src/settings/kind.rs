@@ -1,5 +1,6 @@
 //! What a setting's value looks like and which values it may have.
 
+use super::types::PrinterTechnology;
 use std::fmt;
 
 /// The stage a setting belongs to; its name heads a group of flags and a table of a TOML file.
@@ -27,11 +28,43 @@ pub enum Stage {
     Printer,
     /// G-code text.
     Output,
+    /// How long layers of resin are lit.
+    Exposure,
+    /// How the plate parts layers of resin from the film.
+    Lift,
+    /// How sections become pixels.
+    Image,
+    /// The panel.
+    Display,
+    /// The resin.
+    Material,
+}
+
+/// Which jobs a setting is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Technology {
+    /// Filament printers.
+    Filament,
+    /// Resin printers.
+    Resin,
+    /// All printers.
+    Both,
+}
+
+impl Technology {
+    /// Whether a job of that kind has the setting.
+    pub const fn fits(self, technology: PrinterTechnology) -> bool {
+        match self {
+            Self::Filament => matches!(technology, PrinterTechnology::Fff),
+            Self::Resin => matches!(technology, PrinterTechnology::Sla),
+            Self::Both => true,
+        }
+    }
 }
 
 impl Stage {
-    /// All stages, in the order of the pipeline.
-    pub const ALL: [Self; 11] = [
+    /// All stages, in the order of the pipeline, those of resin alone last.
+    pub const ALL: [Self; 16] = [
         Self::Slicing,
         Self::Widths,
         Self::Perimeters,
@@ -43,6 +76,11 @@ impl Stage {
         Self::Filament,
         Self::Printer,
         Self::Output,
+        Self::Exposure,
+        Self::Lift,
+        Self::Image,
+        Self::Display,
+        Self::Material,
     ];
 
     /// The stage's name as a TOML table, e.g. `slicing`.
@@ -59,6 +97,11 @@ impl Stage {
             Self::Filament => "filament",
             Self::Printer => "printer",
             Self::Output => "output",
+            Self::Exposure => "exposure",
+            Self::Lift => "lift",
+            Self::Image => "image",
+            Self::Display => "display",
+            Self::Material => "material",
         }
     }
 
@@ -76,6 +119,11 @@ impl Stage {
             Self::Filament => "Filament settings",
             Self::Printer => "Printer settings",
             Self::Output => "Output settings",
+            Self::Exposure => "Exposure settings",
+            Self::Lift => "Lift settings",
+            Self::Image => "Image settings",
+            Self::Display => "Panel settings",
+            Self::Material => "Resin settings",
         }
     }
 }
@@ -93,6 +141,8 @@ pub enum Kind {
     Percent(f64, f64),
     /// A number up to the second value, or a percentage `50%` up to the third.
     NumberOrPercent(f64, f64, f64),
+    /// A length up to the second value, or pixels `2px` up to the third; negative ones too where the first is below 0.
+    LengthOrPixels(f64, f64, f64),
     /// Text, C-escaped on one line (`\n` for a new line).
     Text,
     /// Points `0x0,200x0,...`, every coordinate within the range.
@@ -113,6 +163,9 @@ impl Kind {
             Self::NumberOrPercent(min, max, percent) => {
                 format!("a number{of} from {min} to {max}, or a percentage up to {percent}%")
             }
+            Self::LengthOrPixels(min, max, pixels) => {
+                format!("a number{of} from {min} to {max}, or up to {pixels} pixels such as 2px")
+            }
             Self::Text => "text on one line, \\n for a new line".to_owned(),
             Self::Points(min, max) => {
                 format!("points such as 0x0,200x0,200x200{of}, coordinates from {min} to {max}")
@@ -131,6 +184,7 @@ impl fmt::Display for Kind {
             Self::Number(min, max) => write!(f, "{min}..{max}"),
             Self::Percent(min, max) => write!(f, "{min}%..{max}%"),
             Self::NumberOrPercent(min, max, percent) => write!(f, "{min}..{max} or ..{percent}%"),
+            Self::LengthOrPixels(min, max, pixels) => write!(f, "{min}..{max} or ..{pixels}px"),
             Self::Text => Ok(()),
             Self::Points(min, max) => write!(f, "{min}..{max} each"),
             Self::Choice(names, _) => write!(f, "{}", names.join(", ")),

@@ -120,7 +120,7 @@ pub fn load_bytes(path: &Path, bytes: &[u8], settings: &mut Settings) -> Result<
             }
             Err(ValueError::Unknown { key, suggestion }) => {
                 // Files of other versions hold many unknown keys; one that looks like a slip is worth a word.
-                let slip = suggestion.filter(|s| keys::find(s).is_some());
+                let slip = suggestion.filter(|s| changed.get(s).is_some());
                 let warning = slip
                     .map(|s| Warning::new(&key, &entry.value, format!("no such setting; did you mean {s}?")));
                 report.unknown.push((entry.line, key));
@@ -142,7 +142,7 @@ pub fn load_bytes(path: &Path, bytes: &[u8], settings: &mut Settings) -> Result<
 
 /// Puts the default in the place of a choice that is not supported yet.
 fn stand_in(settings: &mut Settings, key: &str, value: &str) -> Warning {
-    let default = keys::find(key).map(keys::Key::default_text).unwrap_or_default();
+    let default = keys::find(key).map(|k| k.default_text(settings.technology())).unwrap_or_default();
     // A default is always a valid value.
     let _ = settings.set(key, &default);
     Warning::new(key, value, format!("not supported yet; {default} is used"))

@@ -2,28 +2,36 @@
 //!
 //! [`types`] holds the values, [`keys`] the one table from which parsing, range checks, command-line
 //! flags, the reference in `docs/SETTINGS.md` and the G-code's config block are made, [`load_file`] reads
-//! TOML and PrusaSlicer's `.ini`, and [`Settings::validate`] checks values against each other.
+//! TOML and PrusaSlicer's `.ini`, and [`Settings::validate`] and [`Settings::validate_resin`] check values
+//! against each other. [`printers`] are the presets of resin printers.
 
 mod assign;
 pub mod flow;
 pub mod foreign;
+mod foreign_resin;
 mod ini;
 pub mod keys;
+mod keys_resin;
 pub mod kind;
 mod list;
 mod load;
+pub mod printers;
 mod suggest;
 mod toml;
 pub mod types;
+mod types_resin;
 mod validate;
+mod validate_resin;
 mod value;
 
 pub use assign::{Assigned, ValueError, Warning};
 pub use keys::{KEYS, Key};
-pub use kind::{Kind, Stage};
+pub use keys_resin::RESIN_KEYS;
+pub use kind::{Kind, Stage, Technology};
 pub use list::{reference, terminal_list};
 pub use load::{LoadReport, SettingsError, load_bytes, load_file};
 pub use types::*;
+pub use types_resin::*;
 pub use validate::Invalid;
 
 #[cfg(test)]

@@ -1,14 +1,23 @@
 //! "Did you mean": the nearest known name.
 
-use super::foreign::FOREIGN;
-use super::keys::KEYS;
+use super::types::PrinterTechnology;
+use super::{foreign, keys};
 
-/// The known setting most like `name`, honoured ones first; `None` if nothing is near.
-pub fn nearest(name: &str) -> Option<&'static str> {
-    let typed: Vec<char> =
-        name.chars().take(80).map(|c| if c == '-' { '_' } else { c.to_ascii_lowercase() }).collect();
+/// The known setting of a technology most like `name`, honoured ones first; `None` if nothing is near.
+pub fn nearest(name: &str, technology: PrinterTechnology) -> Option<&'static str> {
+    let honoured = keys::of(technology).map(|k| k.name);
+    nearest_of(name, honoured.chain(foreign::of(technology).iter().map(|f| f.name)), '_')
+}
+
+/// The name most like `name`, the first of equals; `None` if nothing is near. Names are of lower case and
+/// have `joint` between their words.
+pub fn nearest_of<'a>(name: &str, known: impl Iterator<Item = &'a str>, joint: char) -> Option<&'a str> {
+    let typed: Vec<char> = name
+        .chars()
+        .take(80)
+        .map(|c| if c == '-' || c == '_' || c == ' ' { joint } else { c.to_ascii_lowercase() })
+        .collect();
     let limit = (typed.len() / 4).clamp(2, 3);
-    let known = KEYS.iter().map(|k| k.name).chain(FOREIGN.iter().map(|f| f.name));
     // `min_by_key` keeps the first of equals.
     known
         .map(|k| (distance(&typed, k), k))
@@ -51,9 +60,12 @@ mod tests {
 
     #[test]
     fn a_slip_finds_the_key_meant() {
+        let nearest = |name| nearest(name, PrinterTechnology::Fff);
         assert_eq!(nearest("layer_hieght"), Some("layer_height"));
         assert_eq!(nearest("layer-height"), Some("layer_height"));
         assert_eq!(nearest("suport_material"), Some("support_material"));
         assert_eq!(nearest("quite_something_else"), None);
+        assert_eq!(nearest("exposure_tiem"), None);
+        assert_eq!(super::nearest("exposure_tiem", PrinterTechnology::Sla), Some("exposure_time"));
     }
 }

@@ -32,77 +32,134 @@ fn refusal(key: &str, value: &str) -> String {
 }
 
 /// Another value of the same kind, in the form `write` gives.
-fn other(key: &Key) -> String {
+fn other(key: &Key, technology: PrinterTechnology) -> String {
+    let default = key.default_text(technology);
     match (key.name, key.kind) {
-        ("printer_technology", _) => "FFF".to_owned(),
-        (_, Kind::Flag) => if key.default_text() == "1" { "0" } else { "1" }.to_owned(),
+        ("printer_technology", _) => default,
+        (_, Kind::Flag) => if default == "1" { "0" } else { "1" }.to_owned(),
         (_, Kind::Count(..)) => "17".to_owned(),
-        (_, Kind::Number(..)) => "1.25".to_owned(),
+        (_, Kind::Number(..)) => if default == "0.75" { "0.5" } else { "0.75" }.to_owned(),
         (_, Kind::Percent(..)) => "12.5%".to_owned(),
         (_, Kind::NumberOrPercent(..)) => "35.5%".to_owned(),
+        (_, Kind::LengthOrPixels(..)) => "1.5px".to_owned(),
         (_, Kind::Text) if key.per_extruder => "\"a; \\\"b\\\" \\\\ \\n\"".to_owned(),
         (_, Kind::Text) => "G1 \\\\ \"x\"; [y]\\nM2\\n".to_owned(),
         (_, Kind::Points(..)) => "-1.5x0,20x0,20x20.25".to_owned(),
         (_, Kind::Choice(names, _)) => {
-            names.iter().find(|n| **n != key.default_text()).copied().unwrap_or_default().to_owned()
+            names.iter().find(|n| **n != default).copied().unwrap_or_default().to_owned()
         }
     }
 }
 
+const BOTH: [PrinterTechnology; 2] = [PrinterTechnology::Fff, PrinterTechnology::Sla];
+
 #[test]
 fn every_key_round_trips() {
-    for key in KEYS {
-        let mut s = Settings::default();
-        s.set(key.name, &key.default_text()).unwrap();
-        assert_eq!(s, Settings::default(), "{}", key.name);
-        s.set(key.name, &other(key)).unwrap();
-        assert_eq!(key.get(&s), other(key), "{}", key.name);
-        assert_eq!(
-            s == Settings::default(),
-            key.name == "printer_technology",
-            "{} changes nothing",
-            key.name
-        );
-        // No other key moved.
-        for (name, value) in s.entries().filter(|(n, _)| *n != key.name) {
-            assert_eq!(Settings::default().get(name), Some(value), "{} moved {name}", key.name);
+    for technology in BOTH {
+        let defaults = Settings::of(technology);
+        for key in keys::of(technology) {
+            let mut s = defaults.clone();
+            s.set(key.name, &key.default_text(technology)).unwrap();
+            assert_eq!(s, defaults, "{}", key.name);
+            let value = other(key, technology);
+            s.set(key.name, &value).unwrap();
+            assert_eq!(key.get(&s), value, "{}", key.name);
+            assert_eq!(s == defaults, key.name == "printer_technology", "{} changes nothing", key.name);
+            // No other key moved.
+            for (name, value) in s.entries().filter(|(n, _)| *n != key.name) {
+                assert_eq!(defaults.get(name), Some(value), "{} moved {name}", key.name);
+            }
         }
     }
 }
 
 #[test]
 fn names_are_unique_and_rows_complete() {
-    let mut names: Vec<_> = Settings::default().entries().map(|(n, _)| n).collect();
-    assert!(names.is_sorted());
-    names.dedup();
-    assert_eq!(names.len(), KEYS.len());
-    assert!(KEYS.iter().all(|k| !k.help.is_empty() && !k.help.contains('\n') && !k.help.contains('|')));
+    for technology in BOTH {
+        let mut names: Vec<_> = Settings::of(technology).entries().map(|(n, _)| n).collect();
+        assert!(names.is_sorted());
+        names.dedup();
+        assert_eq!(names.len(), keys::of(technology).count());
+    }
+    let all: Vec<&Key> = KEYS.iter().chain(RESIN_KEYS).collect();
+    let unique: std::collections::BTreeSet<_> = all.iter().map(|k| k.name).collect();
+    assert_eq!(unique.len(), all.len(), "a name means one thing, whatever the technology");
+    assert!(all.iter().all(|k| !k.help.is_empty() && !k.help.contains('\n') && !k.help.contains('|')));
     // Every choice listed is understood, and none of those to come.
-    for key in KEYS {
-        if let Kind::Choice(names, later) = key.kind {
-            assert!(names.iter().all(|n| Settings::default().set(key.name, n).is_ok()), "{}", key.name);
-            let not_yet =
-                |n: &&str| matches!(Settings::default().set(key.name, n), Err(ValueError::NotYet { .. }));
-            assert!(later.iter().all(not_yet), "{}", key.name);
+    for technology in BOTH {
+        for key in keys::of(technology).filter(|k| k.name != "printer_technology") {
+            if let Kind::Choice(names, later) = key.kind {
+                let set = |n: &str| Settings::of(technology).set(key.name, n);
+                assert!(names.iter().all(|n| set(n).is_ok()), "{}", key.name);
+                assert!(
+                    later.iter().all(|n| matches!(set(n), Err(ValueError::NotYet { .. }))),
+                    "{}",
+                    key.name
+                );
+            }
         }
     }
 }
 
 #[test]
 fn the_config_block_reads_back() {
-    let mut s = Settings::default();
-    for key in KEYS {
-        s.set(key.name, &other(key)).unwrap();
+    for technology in BOTH {
+        let mut s = Settings::of(technology);
+        for key in keys::of(technology) {
+            s.set(key.name, &other(key, technology)).unwrap();
+        }
+        let ini: String = s.entries().map(|(k, v)| format!("{k} = {v}\n")).collect();
+        let block: String = s.entries().map(|(k, v)| format!("; {k} = {v}\n")).collect();
+        let gcode =
+            format!("G1 X1\n;TYPE:x\n; prusaslicer_config = begin\n{block}; prusaslicer_config = end\nM2\n");
+        for (name, text) in [("a.ini", &ini), ("a.gcode", &gcode), ("a", &gcode), ("a", &ini)] {
+            let mut read = Settings::of(technology);
+            let report = load_bytes(Path::new(name), text.as_bytes(), &mut read).unwrap();
+            assert_eq!(read, s, "{name}");
+            let applied = keys::of(technology).count();
+            assert_eq!(report, LoadReport { applied, ..LoadReport::default() }, "{name}");
+        }
     }
-    let ini: String = s.entries().map(|(k, v)| format!("{k} = {v}\n")).collect();
-    let block: String = s.entries().map(|(k, v)| format!("; {k} = {v}\n")).collect();
-    let gcode =
-        format!("G1 X1\n;TYPE:x\n; prusaslicer_config = begin\n{block}; prusaslicer_config = end\nM2\n");
-    for (name, text) in [("a.ini", &ini), ("a.gcode", &gcode), ("a", &gcode), ("a", &ini)] {
-        let (read, report) = load(name, text).unwrap();
-        assert_eq!(read, s, "{name}");
-        assert_eq!(report, LoadReport { applied: KEYS.len(), ..LoadReport::default() }, "{name}");
-    }
+}
+
+#[test]
+fn each_technology_takes_its_own_files_and_keys() {
+    let read = |technology, text: &str| {
+        let mut s = Settings::of(technology);
+        let report = load_bytes(Path::new("b.ini"), text.as_bytes(), &mut s).map_err(|e| e.to_string());
+        report.map(|r| (s, r))
+    };
+    let [fff, sla] = BOTH;
+    let (s, report) = read(
+        sla,
+        "printer_technology = SLA\nlayer_height = 0.025\nfill_density = 20%\n\
+        elefant_foot_compensation = 0.2\nsupport_material = 1\nhollowing_enable = 1\nbed_shape = 0x0\n",
+    )
+    .unwrap();
+    assert_eq!(
+        (s.slicing.layer_height, s.image.elefant_foot_compensation),
+        (0.025, LengthOrPixels::Length(0.2))
+    );
+    assert_eq!((report.applied, report.ignored.len(), report.unknown.len()), (3, 4, 0));
+    assert_eq!(report.warnings.len(), 1);
+    assert_eq!(report.warnings[0].key, "hollowing_enable");
+    assert_eq!(
+        read(sla, "\nprinter_technology = FFF").unwrap_err(),
+        "b.ini:2: printer_technology = \"FFF\" means a filament printer, whose settings do not fit a resin job; allowed: SLA"
+    );
+    // The other way round.
+    let (s, report) =
+        read(fff, "exposure_time = 3\nhollowing_enable = 1\nelefant_foot_compensation = 0.2").unwrap();
+    assert_eq!(s, Settings::default());
+    assert_eq!((report.ignored.len(), report.unknown.len()), (3, 0));
+    assert_eq!(
+        report.warnings.iter().map(|w| w.key.as_str()).collect::<Vec<_>>(),
+        ["elefant_foot_compensation"]
+    );
+    assert_eq!((s.get("exposure_time"), s.template_value("light")), (None, None));
+    assert!(refusal("printer_technology", "SLA").ends_with("allowed: FFF"));
+    let mut s = Settings::resin();
+    assert!(s.set("printer_technology", "resin").unwrap_err().to_string().contains("is not a choice here"));
 }
 
 #[test]
@@ -356,6 +413,7 @@ fn any_text_survives_a_round_trip() {
 fn templates_see_every_setting() {
     let s = Settings::default();
     assert!(KEYS.iter().all(|k| s.template_value(k.name).is_some()));
+    assert!(RESIN_KEYS.iter().all(|k| s.template_value(k.name).is_none()));
     assert_eq!(s.template_value("temperature[0]").as_deref(), Some("200"));
     assert_eq!(s.template_value("filament_type").as_deref(), Some("PLA"));
     assert_eq!(s.template_value("layer_height[0]"), None);

@@ -19,9 +19,13 @@ impl FloatOrPercent {
     }
 }
 
+use super::types_resin::{
+    DisplaySettings, ExposureSettings, ImageSettings, LiftSettings, MachineSettings, MaterialSettings,
+};
 use FloatOrPercent::{Float, Percent};
 
-/// Everything a filament job needs to know, one part per stage.
+/// Everything a job needs to know, one part per stage. A filament job reads those down to `output`, a
+/// resin job `slicing.layer_height`, a few of `printer` and those behind `output`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {
     /// Planes and contours.
@@ -46,6 +50,18 @@ pub struct Settings {
     pub printer: PrinterSettings,
     /// G-code text.
     pub output: OutputSettings,
+    /// How long and how brightly layers are lit.
+    pub exposure: ExposureSettings,
+    /// How the plate parts a layer from the film.
+    pub lift: LiftSettings,
+    /// How sections become pixels.
+    pub image: ImageSettings,
+    /// The panel.
+    pub display: DisplaySettings,
+    /// The resin.
+    pub material: MaterialSettings,
+    /// The resin printer's name and its files.
+    pub machine: MachineSettings,
 }
 
 /// Planes and contours.
@@ -393,7 +409,7 @@ impl Default for FilamentSettings {
 /// The machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrinterSettings {
-    /// How the machine builds; these settings describe filament printers only.
+    /// How the machine builds, and which settings count.
     pub printer_technology: PrinterTechnology,
     /// Outline of the bed \[mm\].
     pub bed_shape: Vec<[f64; 2]>,
@@ -432,6 +448,26 @@ pub enum PrinterTechnology {
     /// Fused filament fabrication: molten plastic, layer by layer.
     #[default]
     Fff,
+    /// Stereolithography by a masked panel: resin hardened layer by layer.
+    Sla,
+}
+
+impl PrinterTechnology {
+    /// PrusaSlicer's name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fff => "FFF",
+            Self::Sla => "SLA",
+        }
+    }
+
+    /// The other one.
+    pub const fn other(self) -> Self {
+        match self {
+            Self::Fff => Self::Sla,
+            Self::Sla => Self::Fff,
+        }
+    }
 }
 
 /// Dialect of the firmware.

@@ -38,7 +38,7 @@ impl Settings {
         Ok(self.oddities())
     }
 
-    fn invalid(
+    pub(super) fn invalid(
         &self,
         key: &'static str,
         problem: impl Into<String>,

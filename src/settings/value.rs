@@ -2,6 +2,7 @@
 
 use super::kind::Kind;
 use super::types::{FillPattern, FloatOrPercent, GcodeFlavor, PrinterTechnology, SeamPosition};
+use super::types_resin::{ContainerFormat, DisplayOrientation, LengthOrPixels};
 
 /// Why a text is not a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -98,6 +99,7 @@ impl Value for u32 {
     fn read(text: &str, kind: &Kind) -> Result<Self, Problem> {
         let (min, max) = match *kind {
             Kind::Count(min, max) => (min, max),
+            Kind::Choice(names, _) if !names.contains(&text) => return Err("is not a choice here".into()),
             _ => (Self::MIN, Self::MAX),
         };
         // Through f64, so that "-3" and "99999999999" are called out of range and not malformed.
@@ -146,6 +148,29 @@ impl Value for FloatOrPercent {
         match *self {
             Self::Float(v) => decimal(v),
             Self::Percent(p) => decimal(p) + "%",
+        }
+    }
+}
+
+impl Value for LengthOrPixels {
+    fn read(text: &str, kind: &Kind) -> Result<Self, Problem> {
+        let (min, max, pixels) = match *kind {
+            Kind::LengthOrPixels(min, max, pixels) => (min, max, pixels),
+            _ => (f64::MIN, f64::MAX, f64::MAX),
+        };
+        match text.strip_suffix("px") {
+            Some(p) => {
+                let least = if min < 0.0 { -pixels } else { 0.0 };
+                Ok(Self::Pixels(within(finite(p)?, least, pixels)?))
+            }
+            None => Ok(Self::Length(within(finite(text)?, min, max)?)),
+        }
+    }
+
+    fn write(&self, _: &Kind) -> String {
+        match *self {
+            Self::Length(v) => decimal(v),
+            Self::Pixels(p) => decimal(p) + "px",
         }
     }
 }
@@ -207,18 +232,16 @@ named!(FillPattern: Rectilinear = "rectilinear", Monotonic = "monotonic", Aligne
 named!(GcodeFlavor: Reprap = "reprap", Reprapfirmware = "reprapfirmware", Marlin = "marlin", Marlin2 = "marlin2",
     Klipper = "klipper");
 
-impl Value for PrinterTechnology {
+named!(DisplayOrientation: Landscape = "landscape", Portrait = "portrait");
+named!(PrinterTechnology: Fff = "FFF", Sla = "SLA");
+
+impl Value for ContainerFormat {
     fn read(text: &str, _: &Kind) -> Result<Self, Problem> {
-        match text {
-            "FFF" => Ok(Self::Fff),
-            "SLA" => Err("means a resin printer, whose settings do not fit a filament job".into()),
-            _ => Err("is not a choice here".into()),
-        }
+        let found = Self::ALL.into_iter().find(|f| f.name() == text);
+        found.ok_or_else(|| "is not a choice here".into())
     }
 
     fn write(&self, _: &Kind) -> String {
-        match self {
-            Self::Fff => "FFF".to_owned(),
-        }
+        self.name().to_owned()
     }
 }

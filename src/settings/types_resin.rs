@@ -1,0 +1,422 @@
+//! The settings of resin printers: one struct per stage.
+//!
+//! Names, units and meanings are PrusaSlicer's where it has them; the others are this crate's own.
+
+use super::types::{PrinterTechnology, Settings};
+
+/// A length along the plate: in millimetres (`0.05`), or in pixels of the panel (`2px`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LengthOrPixels {
+    /// Millimetres.
+    Length(f64),
+    /// Pixels, each as long as the panel's pitch in the direction at hand.
+    Pixels(f64),
+}
+
+impl LengthOrPixels {
+    /// The length \[nm\] in a direction in which pixels are `pitch` \[nm\] apart.
+    pub fn nm(self, pitch: i64) -> i64 {
+        match self {
+            Self::Length(mm) => crate::lattice::nm(mm),
+            Self::Pixels(pixels) => (pixels * pitch as f64).round() as i64,
+        }
+    }
+}
+
+/// How long and how brightly layers are lit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExposureSettings {
+    /// Thickness of the first layer \[mm\].
+    pub initial_layer_height: f64,
+    /// Exposure of normal layers \[s\].
+    pub exposure_time: f64,
+    /// Exposure of bottom layers \[s\].
+    pub initial_exposure_time: f64,
+    /// Layers with the full `initial_exposure_time`.
+    pub bottom_layers: u32,
+    /// Layers behind them whose exposure falls linearly to the normal one.
+    pub transition_layers: u32,
+    /// The exposure falls linearly from the first layer on and is normal at this one, counted from 0;
+    /// 0 = `bottom_layers` and `transition_layers` rule.
+    pub faded_layers: u32,
+    /// Light of normal layers, 0..=255.
+    pub light: u32,
+    /// Light of bottom layers, 0..=255.
+    pub bottom_light: u32,
+}
+
+impl ExposureSettings {
+    /// Bottom layers and transition layers in force: `faded_layers = n` means one bottom layer and
+    /// n - 1 transition layers, which is the same fall.
+    pub fn bottom_and_transition(&self) -> (u32, u32) {
+        match self.faded_layers {
+            0 => (self.bottom_layers, self.transition_layers),
+            n => (1, n - 1),
+        }
+    }
+}
+
+impl Default for ExposureSettings {
+    fn default() -> Self {
+        Self {
+            initial_layer_height: 0.05,
+            exposure_time: 2.5,
+            initial_exposure_time: 30.0,
+            bottom_layers: 5,
+            transition_layers: 0,
+            faded_layers: 0,
+            light: 255,
+            bottom_light: 255,
+        }
+    }
+}
+
+/// How the plate parts a layer from the film. Lengths \[mm\], speeds \[mm/min\], times \[s\].
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiftSettings {
+    /// First stage of the lift.
+    pub lift_height: f64,
+    /// Its speed.
+    pub lift_speed: f64,
+    /// Second stage of the lift; 0 = none.
+    pub lift_height2: f64,
+    /// Its speed.
+    pub lift_speed2: f64,
+    /// Speed of the way back, or of its first stage.
+    pub lift_retract_speed: f64,
+    /// Length of the last stage of the way back; 0 = none.
+    pub lift_retract_height2: f64,
+    /// Its speed.
+    pub lift_retract_speed2: f64,
+    /// As `lift_height`, of bottom layers.
+    pub bottom_lift_height: f64,
+    /// As `lift_speed`, of bottom layers.
+    pub bottom_lift_speed: f64,
+    /// As `lift_height2`, of bottom layers.
+    pub bottom_lift_height2: f64,
+    /// As `lift_speed2`, of bottom layers.
+    pub bottom_lift_speed2: f64,
+    /// As `lift_retract_speed`, of bottom layers.
+    pub bottom_lift_retract_speed: f64,
+    /// As `lift_retract_height2`, of bottom layers.
+    pub bottom_lift_retract_height2: f64,
+    /// As `lift_retract_speed2`, of bottom layers.
+    pub bottom_lift_retract_speed2: f64,
+    /// Rest after the exposure.
+    pub rest_before_lift: f64,
+    /// Rest at the top.
+    pub rest_after_lift: f64,
+    /// Rest before the exposure.
+    pub rest_after_retract: f64,
+    /// As `rest_before_lift`, of bottom layers.
+    pub bottom_rest_before_lift: f64,
+    /// As `rest_after_lift`, of bottom layers.
+    pub bottom_rest_after_lift: f64,
+    /// As `rest_after_retract`, of bottom layers.
+    pub bottom_rest_after_retract: f64,
+    /// The vat tilts instead of the plate lifting.
+    pub tilt: bool,
+    /// Time of a tilt where the layer is small.
+    pub fast_tilt_time: f64,
+    /// Time of a tilt where it is large.
+    pub slow_tilt_time: f64,
+    /// Share of the panel \[%\] from which on a layer is large.
+    pub area_fill: f64,
+}
+
+impl Default for LiftSettings {
+    fn default() -> Self {
+        Self {
+            lift_height: 6.0,
+            lift_speed: 65.0,
+            lift_height2: 0.0,
+            lift_speed2: 0.0,
+            lift_retract_speed: 150.0,
+            lift_retract_height2: 0.0,
+            lift_retract_speed2: 0.0,
+            bottom_lift_height: 6.0,
+            bottom_lift_speed: 65.0,
+            bottom_lift_height2: 0.0,
+            bottom_lift_speed2: 0.0,
+            bottom_lift_retract_speed: 150.0,
+            bottom_lift_retract_height2: 0.0,
+            bottom_lift_retract_speed2: 0.0,
+            rest_before_lift: 0.0,
+            rest_after_lift: 0.0,
+            rest_after_retract: 0.0,
+            bottom_rest_before_lift: 0.0,
+            bottom_rest_after_lift: 0.0,
+            bottom_rest_after_retract: 0.0,
+            tilt: false,
+            fast_tilt_time: 5.0,
+            slow_tilt_time: 8.0,
+            area_fill: 50.0,
+        }
+    }
+}
+
+/// How sections become pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImageSettings {
+    /// Sub-rows of a pixel: 1 (none), 2, 4, 8 or 16.
+    pub anti_aliasing: u32,
+    /// Darker greys become black, 0..=255.
+    pub minimum_grey: u32,
+    /// Exponent of the grey curve; 1 = linear, 0 = no greys.
+    pub gamma_correction: f64,
+    /// Grows (+) or shrinks (-) every layer's outline.
+    pub absolute_correction: LengthOrPixels,
+    /// Factor on the model's x.
+    pub relative_correction_x: f64,
+    /// Factor on the model's y.
+    pub relative_correction_y: f64,
+    /// Factor on the model's z.
+    pub relative_correction_z: f64,
+    /// Shrinks the first layers' outline.
+    pub elefant_foot_compensation: LengthOrPixels,
+    /// Layers over which that falls linearly to nothing.
+    pub elefant_foot_compensation_layers: u32,
+}
+
+impl Default for ImageSettings {
+    fn default() -> Self {
+        Self {
+            anti_aliasing: 1,
+            minimum_grey: 0,
+            gamma_correction: 1.0,
+            absolute_correction: LengthOrPixels::Length(0.0),
+            relative_correction_x: 1.0,
+            relative_correction_y: 1.0,
+            relative_correction_z: 1.0,
+            elefant_foot_compensation: LengthOrPixels::Length(0.0),
+            elefant_foot_compensation_layers: 1,
+        }
+    }
+}
+
+/// The panel. It has no default: 0 means unknown.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DisplaySettings {
+    /// Length of the lit area along its pixels x \[mm\].
+    pub display_width: f64,
+    /// Length of the lit area along its pixels y \[mm\].
+    pub display_height: f64,
+    /// Pixels along the plate's x.
+    pub display_pixels_x: u32,
+    /// Pixels along the plate's y.
+    pub display_pixels_y: u32,
+    /// How pixels are stored.
+    pub display_orientation: DisplayOrientation,
+    /// Left and right are exchanged.
+    pub display_mirror_x: bool,
+    /// Top and bottom are exchanged.
+    pub display_mirror_y: bool,
+}
+
+/// How the pixels of a panel are stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DisplayOrientation {
+    /// Rows of the stored image run along the plate's x.
+    #[default]
+    Landscape,
+    /// Rows of the stored image run along the plate's y.
+    Portrait,
+}
+
+/// The resin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialSettings {
+    /// Name of the resin's profile.
+    pub sla_material_settings_id: String,
+    /// Kind of resin, e.g. `Tough`.
+    pub material_type: String,
+    /// Density \[g/ml\]; 0 = unknown.
+    pub material_density: f64,
+    /// Price of a bottle \[money\]; 0 = unknown.
+    pub bottle_cost: f64,
+    /// Content of a bottle \[ml\].
+    pub bottle_volume: f64,
+}
+
+impl Default for MaterialSettings {
+    fn default() -> Self {
+        Self {
+            sla_material_settings_id: String::new(),
+            material_type: String::new(),
+            material_density: 0.0,
+            bottle_cost: 0.0,
+            bottle_volume: 1000.0,
+        }
+    }
+}
+
+/// The machine's name and its files.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachineSettings {
+    /// Full name, such as `ELEGOO Saturn 3 Ultra`, as printers compare it.
+    pub machine_name: String,
+    /// The model's code, such as `SL1S`, which a Prusa compares.
+    pub printer_model: String,
+    /// The files that the machine reads.
+    pub container: ContainerFormat,
+    /// Version of the container; 0 = the writer's own choice.
+    pub container_version: u32,
+    /// PrusaSlicer's name of the container.
+    pub sla_archive_format: String,
+}
+
+impl Default for MachineSettings {
+    fn default() -> Self {
+        Self {
+            machine_name: String::new(),
+            printer_model: String::new(),
+            container: ContainerFormat::Zip,
+            container_version: 0,
+            sla_archive_format: "SL1".to_owned(),
+        }
+    }
+}
+
+impl Settings {
+    /// The defaults of resin printers. The panel is unknown still: it comes from a preset
+    /// ([`super::printers`]), a file or flags.
+    pub fn resin() -> Self {
+        Self::of(PrinterTechnology::Sla)
+    }
+
+    /// The defaults of a technology.
+    pub fn of(technology: PrinterTechnology) -> Self {
+        let mut settings = Self::default();
+        settings.printer.printer_technology = technology;
+        if technology == PrinterTechnology::Sla {
+            settings.slicing.layer_height = 0.05;
+        }
+        settings
+    }
+
+    /// The technology that these settings are for.
+    pub fn technology(&self) -> PrinterTechnology {
+        self.printer.printer_technology
+    }
+}
+
+/// The files that a resin printer reads. The name is the file's extension, but for
+/// [`Self::EncryptedCtb`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContainerFormat {
+    /// A stack of PNG pictures and a manifest.
+    Zip,
+    /// One SVG drawing per layer, or all in one.
+    Svg,
+    /// Prusa SL1.
+    Sl1,
+    /// Prusa SL1S.
+    Sl1s,
+    /// Elegoo.
+    Goo,
+    /// Chitubox, plain.
+    Ctb,
+    /// Chitubox, encrypted: known, not written.
+    EncryptedCtb,
+    /// NanoDLP.
+    Nanodlp,
+    /// Anycubic Photon Mono.
+    Pwmo,
+    /// Anycubic Photon Mono SE.
+    Pwms,
+    /// Anycubic Photon Mono 4K.
+    Pwma,
+    /// Anycubic Photon Mono X.
+    Pwmx,
+    /// Anycubic Photon Mono X 6K.
+    Pwmb,
+    /// Anycubic Photon M3.
+    Pm3,
+    /// Anycubic Photon M3 Max.
+    Pm3m,
+    /// Anycubic Photon Mono M5.
+    Pm5,
+    /// Anycubic Photon Mono M5s.
+    Pm5s,
+    /// Anycubic Photon Mono M5s Pro.
+    M5sp,
+}
+
+impl ContainerFormat {
+    /// All formats.
+    pub const ALL: [Self; 18] = [
+        Self::Zip,
+        Self::Svg,
+        Self::Sl1,
+        Self::Sl1s,
+        Self::Goo,
+        Self::Ctb,
+        Self::EncryptedCtb,
+        Self::Nanodlp,
+        Self::Pwmo,
+        Self::Pwms,
+        Self::Pwma,
+        Self::Pwmx,
+        Self::Pwmb,
+        Self::Pm3,
+        Self::Pm3m,
+        Self::Pm5,
+        Self::Pm5s,
+        Self::M5sp,
+    ];
+
+    /// Its name in the settings.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Zip => "zip",
+            Self::Svg => "svg",
+            Self::Sl1 => "sl1",
+            Self::Sl1s => "sl1s",
+            Self::Goo => "goo",
+            Self::Ctb => "ctb",
+            Self::EncryptedCtb => "encrypted-ctb",
+            Self::Nanodlp => "nanodlp",
+            Self::Pwmo => "pwmo",
+            Self::Pwms => "pwms",
+            Self::Pwma => "pwma",
+            Self::Pwmx => "pwmx",
+            Self::Pwmb => "pwmb",
+            Self::Pm3 => "pm3",
+            Self::Pm3m => "pm3m",
+            Self::Pm5 => "pm5",
+            Self::Pm5s => "pm5s",
+            Self::M5sp => "m5sp",
+        }
+    }
+
+    /// The extension of its files, without the dot.
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Self::EncryptedCtb => "ctb",
+            other => other.name(),
+        }
+    }
+
+    /// The format whose files have this extension (any case, no dot): never the encrypted one.
+    pub fn of_extension(extension: &str) -> Option<Self> {
+        let extension = extension.to_ascii_lowercase();
+        Self::ALL.into_iter().find(|f| *f != Self::EncryptedCtb && f.name() == extension)
+    }
+
+    /// True for the family of Anycubic's binary files.
+    pub fn is_anycubic(self) -> bool {
+        matches!(
+            self,
+            Self::Pwmo
+                | Self::Pwms
+                | Self::Pwma
+                | Self::Pwmx
+                | Self::Pwmb
+                | Self::Pm3
+                | Self::Pm3m
+                | Self::Pm5
+                | Self::Pm5s
+                | Self::M5sp
+        )
+    }
+}
