@@ -3,7 +3,9 @@
 //! One file per container behind one trait: [`Container`] writes, [`Reader`] reads. What a printer must
 //! be told beside the masks is [`Print`] and, per layer, [`LayerInfo`].
 
+pub mod bytes;
 pub mod container;
+pub mod date;
 pub mod error;
 pub mod print;
 
