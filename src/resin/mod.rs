@@ -5,9 +5,16 @@
 
 pub mod bytes;
 pub mod container;
+pub mod ctb;
 pub mod date;
 pub mod error;
+pub mod goo;
+mod per_layer;
+pub mod preview;
 pub mod print;
+#[cfg(test)]
+mod testing;
+mod words;
 
 pub use container::{Container, LayerSink, Reader, WriteSeek};
 pub use error::ReadError;
