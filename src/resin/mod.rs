@@ -3,11 +3,20 @@
 //! One file per container behind one trait: [`Container`] writes, [`Reader`] reads. What a printer must
 //! be told beside the masks is [`Print`] and, per layer, [`LayerInfo`].
 
+pub mod bytes;
 pub mod container;
+pub mod ctb;
+pub mod date;
 pub mod error;
 pub mod machine;
 pub mod print;
 pub mod schedule;
+pub mod goo;
+mod per_layer;
+pub mod preview;
+#[cfg(test)]
+mod testing;
+mod words;
 
 pub use container::{Container, LayerSink, Reader, WriteSeek};
 pub use error::ReadError;
