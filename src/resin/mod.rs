@@ -17,6 +17,14 @@ pub mod preview;
 #[cfg(test)]
 mod testing;
 mod words;
+pub mod archive;
+pub mod deflate;
+pub mod layer_files;
+pub mod nanodlp;
+pub mod png;
+pub mod sl1;
+pub mod stack;
+pub mod svg;
 
 pub use container::{Container, LayerSink, Reader, WriteSeek};
 pub use error::ReadError;
