@@ -5,6 +5,8 @@ use crate::bench::BenchError;
 use crate::export::UnknownFormat;
 use crate::job::JobError;
 use crate::settings::printers::PrinterError;
+use crate::resin::ReadError;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use thiserror::Error;
 
@@ -13,7 +15,7 @@ pub const EXIT_CODES: &str = "Exit codes:
   0  done; the output is complete
   1  a defect of microtome itself; no output was written
   2  the command line was not understood
-  3  the model cannot be read, sliced or placed
+  3  the model cannot be read, sliced or placed, or a container is damaged
   4  a setting, a list of planes or a G-code template is wrong
   5  the GPU asked for is missing or failed
   6  the output cannot be written
@@ -45,6 +47,26 @@ pub enum CliError {
         /// The device.
         adapter: String,
     },
+    /// A file of a resin printer cannot be read.
+    #[error("{}: {source}", path.display())]
+    Container {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: ReadError,
+    },
+    /// Layers of such a file cannot be read.
+    #[error("{}: {damaged} of {layers} layers are damaged; the first: {first}", path.display())]
+    DamagedLayers {
+        /// The file.
+        path: PathBuf,
+        /// Number of damaged layers.
+        damaged: u32,
+        /// Number of layers.
+        layers: u32,
+        /// What is wrong with the first.
+        first: ReadError,
+    },
     /// Standard output could not be written.
     #[error("cannot write to standard output: {0}")]
     Stdout(#[from] std::io::Error),
@@ -56,6 +78,8 @@ impl CliError {
         ExitCode::from(match self {
             Self::Format(_) => 2,
             Self::Setting(_) | Self::Printer(_) => 4,
+            Self::Setting(_) => 4,
+            Self::Container { .. } | Self::DamagedLayers { .. } => 3,
             Self::Differs { .. } => 5,
             Self::Stdout(e) if e.kind() == std::io::ErrorKind::BrokenPipe => 0,
             Self::Stdout(_) => 6,

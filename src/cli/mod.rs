@@ -6,6 +6,7 @@ pub mod below;
 pub mod demo;
 pub mod devices;
 pub mod exit;
+pub mod inspect;
 pub mod mesh_args;
 pub mod options;
 pub mod printers;
@@ -37,6 +38,8 @@ enum Command {
     Demo(demo::DemoArgs),
     /// Cut a model off at a height: the part as printed so far, as STL
     Below(below::BelowArgs),
+    /// Read a resin printer's file, check every layer, say what is in it
+    Inspect(inspect::InspectArgs),
     /// List the GPUs and say which one `--backend auto` would take, and why
     Devices(devices::DevicesArgs),
     /// List the resin printers that are known by name, or describe one as a settings file
@@ -95,6 +98,7 @@ fn run(command: &Command) -> Result<(), CliError> {
         Command::Contours(args) => contours::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Below(args) => below::run(args),
+        Command::Inspect(args) => inspect::run(args),
         Command::Devices(args) => devices::run(args),
         Command::Printers(args) => printers::run(args),
         Command::Bench(args) => bench::run(args),

@@ -4,11 +4,13 @@
 //! be told beside the masks is [`Print`] and, per layer, [`LayerInfo`].
 
 pub mod bytes;
+pub mod anycubic;
 pub mod container;
 pub mod ctb;
 pub mod date;
 pub mod error;
 pub mod machine;
+pub mod format;
 pub mod print;
 pub mod schedule;
 pub mod goo;

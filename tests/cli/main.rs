@@ -6,6 +6,7 @@ mod golden;
 mod contours;
 mod below;
 mod faults;
+mod inspect;
 mod output;
 mod same_bytes;
 mod settings;
