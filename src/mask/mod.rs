@@ -2,7 +2,9 @@
 //!
 //! Never holds pixels: a layer is the list of its lit runs in raster order.
 
+pub mod check;
 pub mod layer;
+pub mod morph;
 pub mod panel;
 
 pub use layer::{MaskLayer, Run};

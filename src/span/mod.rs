@@ -5,6 +5,7 @@
 pub mod algebra;
 pub mod components;
 pub mod frame;
+pub mod morph;
 pub mod rows;
 pub mod scan;
 
