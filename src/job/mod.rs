@@ -5,6 +5,8 @@ pub mod contours;
 pub mod below;
 pub mod error;
 pub mod filament;
+pub mod mask_check;
+pub mod mask_picture;
 pub mod memory;
 mod gcode_text;
 pub mod open;

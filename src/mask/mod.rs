@@ -5,6 +5,8 @@
 pub mod antialias;
 pub mod layer;
 pub mod layers;
+pub mod check;
+pub mod morph;
 pub mod panel;
 pub mod raster;
 

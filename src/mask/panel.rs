@@ -45,4 +45,40 @@ impl Panel {
     pub fn pixel_mm2(&self) -> f64 {
         self.pitch_x as f64 * self.pitch_y as f64 * 1e-12
     }
+
+    /// Where a point of the stored image lies on the plate \[mm\]. Points are counted in pixels from the
+    /// upper left corner of the image: the centre of pixel (x, y) is (x + 0.5, y + 0.5).
+    pub fn on_plate(&self, point: [f64; 2]) -> [f64; 2] {
+        let [width, height] = self.image_nm().map(|nm| nm as f64 * 1e-6);
+        let x = point[0] * self.pitch_x as f64 * 1e-6;
+        let y = point[1] * self.pitch_y as f64 * 1e-6;
+        let along = if self.mirror_x { width - x } else { x };
+        let up = if self.mirror_y { y } else { height - y };
+        if self.portrait { [up, along] } else { [along, up] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_of_the_image_are_corners_of_the_plate() {
+        let plain = Panel {
+            width: 4,
+            height: 2,
+            pitch_x: 1_000_000,
+            pitch_y: 2_000_000,
+            mirror_x: false,
+            mirror_y: false,
+            portrait: false,
+        };
+        let first = |panel: Panel| panel.on_plate([0.5, 0.5]);
+        assert_eq!(first(plain), [0.5, 3.0]);
+        assert_eq!(first(Panel { mirror_x: true, ..plain }), [3.5, 3.0]);
+        assert_eq!(first(Panel { mirror_y: true, ..plain }), [0.5, 1.0]);
+        assert_eq!(first(Panel { portrait: true, ..plain }), [3.0, 0.5]);
+        assert_eq!(first(Panel { portrait: true, mirror_x: true, mirror_y: true, ..plain }), [1.0, 3.5]);
+        assert_eq!(plain.on_plate([4.0, 0.0]), [4.0, 4.0]);
+    }
 }

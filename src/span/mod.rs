@@ -8,6 +8,7 @@ pub mod edges;
 pub mod frame;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod morph;
 pub mod rows;
 pub mod scan;
 pub mod twin;
