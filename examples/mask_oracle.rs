@@ -28,7 +28,8 @@ fn crossings(rings: &[Vec<Point2>], t: i64) -> Vec<(i64, bool)> {
         for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
             let (up, low, high) = if a.y < b.y { (true, a, b) } else { (false, b, a) };
             if i64::from(low.y) < t && t <= i64::from(high.y) {
-                let (dx, dy) = (i128::from(high.x) - i128::from(low.x), i128::from(high.y) - i128::from(low.y));
+                let (dx, dy) =
+                    (i128::from(high.x) - i128::from(low.x), i128::from(high.y) - i128::from(low.y));
                 let rise = i128::from(t) - i128::from(low.y);
                 // Rounded to the nearest, halves towards +x.
                 let x = i128::from(low.x) + (2 * dx * rise + dy).div_euclid(2 * dy);
@@ -129,9 +130,6 @@ fn main() {
 
 fn area(ring: &[Point2]) -> f64 {
     let origin = ring[0];
-    let sum: i128 = ring
-        .windows(2)
-        .map(|w| i128::from(microtome::lattice::cross(origin, w[0], w[1])))
-        .sum();
+    let sum: i128 = ring.windows(2).map(|w| i128::from(microtome::lattice::cross(origin, w[0], w[1]))).sum();
     sum as f64 / 2.0 * 1e-12
 }

@@ -4,8 +4,8 @@ use super::setting_flags::FlagError;
 use crate::bench::BenchError;
 use crate::export::UnknownFormat;
 use crate::job::JobError;
-use crate::settings::printers::PrinterError;
 use crate::resin::ReadError;
+use crate::settings::printers::PrinterError;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use thiserror::Error;
@@ -78,7 +78,6 @@ impl CliError {
         ExitCode::from(match self {
             Self::Format(_) => 2,
             Self::Setting(_) | Self::Printer(_) => 4,
-            Self::Setting(_) => 4,
             Self::Container { .. } | Self::DamagedLayers { .. } => 3,
             Self::Differs { .. } => 5,
             Self::Stdout(e) if e.kind() == std::io::ErrorKind::BrokenPipe => 0,

@@ -83,7 +83,11 @@ pub fn run(args: &MaskArgs) -> Result<(), CliError> {
         settings: &settings,
         plate: PlateOptions {
             transform: Transform {
-                scale: [image.relative_correction_x, image.relative_correction_y, image.relative_correction_z],
+                scale: [
+                    image.relative_correction_x,
+                    image.relative_correction_y,
+                    image.relative_correction_z,
+                ],
                 turn: args.rotate,
             },
             placement: if args.no_place { Placement::Keep } else { Placement::DropAndCentre },
@@ -131,7 +135,11 @@ fn output(args: &MaskArgs, settings: &Settings) -> Result<(Format, PathBuf), Job
     if Format::is_folder(&path) {
         return Ok((Format::PngFolder, path));
     }
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let extension = match name.ends_with(".svg.zip") {
+        true => Some("svg.zip".to_owned()),
+        false => path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()),
+    };
     let container = settings.container_for(extension.as_deref())?;
     Ok((Format::of_container(container), path))
 }

@@ -7,6 +7,7 @@ pub mod demo;
 pub mod devices;
 pub mod exit;
 pub mod inspect;
+pub mod mask;
 pub mod mesh_args;
 pub mod options;
 pub mod printers;
@@ -38,6 +39,8 @@ enum Command {
     Demo(demo::DemoArgs),
     /// Cut a model off at a height: the part as printed so far, as STL
     Below(below::BelowArgs),
+    /// Cut models into the layer masks of a resin printer
+    Mask(mask::MaskArgs),
     /// Read a resin printer's file, check every layer, say what is in it
     Inspect(inspect::InspectArgs),
     /// List the GPUs and say which one `--backend auto` would take, and why
@@ -95,6 +98,7 @@ fn hush_wayland() {
 fn run(command: &Command) -> Result<(), CliError> {
     match command {
         Command::Slice(args) => slice::run(args),
+        Command::Mask(args) => mask::run(args),
         Command::Contours(args) => contours::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Below(args) => below::run(args),

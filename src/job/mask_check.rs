@@ -90,6 +90,48 @@ impl CheckReport {
         f.islands.count == 0 && f.cups.count == 0 && f.trapped.count == 0
     }
 
+    /// What was found, in a line.
+    pub fn line(&self) -> String {
+        let f = &self.findings;
+        if self.is_clean() {
+            return "checked: no islands, no suction cups, no trapped resin".to_owned();
+        }
+        format!(
+            "checked: {} islands ({:.2} mm2), {} suction cups ({:.2} ml), {} trapped voids ({:.2} ml)",
+            f.islands.count, f.islands.total, f.cups.count, f.cups.total, f.trapped.count, f.trapped.total
+        )
+    }
+
+    /// What a user must know, one line each, with the worst place of each kind.
+    pub fn warnings(&self) -> Vec<String> {
+        let f = &self.findings;
+        let at = |z: f64, [x, y]: [f64; 2]| format!("at x {x:.2}, y {y:.2}, z {z:.3} mm");
+        let mut said = Vec::new();
+        if let Some(worst) = f.islands.listed.first() {
+            said.push(format!(
+                "{} islands have nothing beneath them, the largest {:.3} mm2 on layer {} {}; add supports or turn the part",
+                f.islands.count, worst.area_mm2, worst.layer, at(worst.z_mm, worst.centre_mm)
+            ));
+        }
+        if let Some(worst) = f.trapped.listed.first() {
+            said.push(format!(
+                "{} voids trap resin, the largest {:.3} ml from layer {} to {} {}; add drain holes",
+                f.trapped.count,
+                worst.volume_ml,
+                worst.first_layer,
+                worst.last_layer,
+                at(worst.z_mm[0], worst.centre_mm)
+            ));
+        }
+        if let Some(worst) = f.cups.listed.first() {
+            said.push(format!(
+                "{} hollows seal against the film and pull like a suction cup, the largest {:.3} ml from layer {} to {} {}; add vents or turn the part",
+                f.cups.count, worst.volume_ml, worst.first_layer, worst.last_layer, at(worst.z_mm[0], worst.centre_mm)
+            ));
+        }
+        said
+    }
+
     /// Up to `most` differing layers worth a picture: in turn those of the greatest trapped voids,
     /// islands and cups, then the one with the greatest overhang.
     pub fn worst_layers(&self, most: usize) -> Vec<WorstLayer> {

@@ -1,5 +1,6 @@
 //! Zip archives and folders of files: written so that two runs give the same bytes, read with bounds.
 
+use super::bytes::ReadSeek;
 use super::{ReadError, WriteSeek};
 use std::collections::BTreeMap;
 use std::fs;
@@ -153,11 +154,6 @@ impl Date {
         format!("{:02}:{:02}:{:02}", self.hour, self.minute, self.second)
     }
 }
-
-/// What is read with random access.
-pub trait ReadSeek: Read + Seek + Send {}
-
-impl<T: Read + Seek + Send> ReadSeek for T {}
 
 /// The members of a container that is read.
 pub trait Members: Send {

@@ -1,8 +1,9 @@
 //! The containers known here: their names, extensions, and how files are told apart.
 
-use super::{Container, ReadError, Reader, anycubic};
+use super::{Container, ReadError, Reader, anycubic, ctb, goo, layer_files, nanodlp, sl1, stack, svg};
+use crate::settings::ContainerFormat;
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 /// A kind of container.
@@ -63,27 +64,43 @@ impl Format {
             Self::NanoDlp => vec!["nanodlp"],
             Self::PngZip => vec!["zip"],
             Self::PngFolder => vec![],
-            Self::Svg => vec!["svg"],
+            Self::Svg => vec!["svg.zip"],
         }
     }
 
-    /// The format of an output's name: by its extension, a folder where it ends in a slash or exists.
-    pub fn of_output(path: &Path) -> Option<Self> {
-        if path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/") {
-            return Some(Self::PngFolder);
+    /// The format of a printer's files.
+    pub fn of_container(container: ContainerFormat) -> Self {
+        match container {
+            ContainerFormat::Zip => Self::PngZip,
+            ContainerFormat::Svg => Self::Svg,
+            ContainerFormat::Sl1 | ContainerFormat::Sl1s => Self::Sl1,
+            ContainerFormat::Goo => Self::Goo,
+            ContainerFormat::Ctb | ContainerFormat::EncryptedCtb => Self::Ctb,
+            ContainerFormat::Nanodlp => Self::NanoDlp,
+            _ => Self::Anycubic,
         }
-        let extension = extension(path);
-        Self::ALL.into_iter().find(|f| f.extensions().contains(&extension.as_str()))
     }
 
-    /// The writer of the format for an output's name; `None` where it can only be read.
-    pub fn container(self, path: &Path) -> Option<Box<dyn Container>> {
-        match self {
-            Self::Anycubic => anycubic::Anycubic::new(&extension(path)).map(|c| Box::new(c) as _),
-            // To be filled in: the writers of these formats.
-            Self::Goo | Self::Ctb => None,
-            Self::Sl1 | Self::NanoDlp | Self::PngZip | Self::PngFolder | Self::Svg => None,
-        }
+    /// Whether an output is a folder: it ends in a slash, has no extension, or is one already.
+    pub fn is_folder(path: &Path) -> bool {
+        path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/") || path.extension().is_none()
+    }
+
+    /// The writer of the format for an output's name. `version` is `container_version` of the settings, 0
+    /// for the writer's own choice. `None` where the format can only be read.
+    pub fn container(self, path: &Path, version: u32) -> Option<Box<dyn Container>> {
+        Some(match self {
+            Self::Anycubic => Box::new(anycubic::Anycubic::new(&extension(path))?),
+            Self::Goo => Box::new(goo::Goo),
+            Self::Ctb => {
+                let version = if version == 4 { ctb::Version::Four } else { ctb::Version::Three };
+                Box::new(ctb::Ctb { version })
+            }
+            Self::Sl1 => Box::new(sl1::Sl1),
+            Self::NanoDlp => Box::new(nanodlp::NanoDlp),
+            Self::PngZip | Self::PngFolder => Box::new(stack::PngStack),
+            Self::Svg => Box::new(svg::SvgLayers),
+        })
     }
 }
 
@@ -142,75 +159,28 @@ pub fn detect(start: &[u8]) -> Kind {
     Kind::Unknown
 }
 
-/// Tells a zip by the names of its entries.
-///
-/// # Errors
-/// [`ReadError::Damaged`] where it has no readable list of entries.
-fn detect_zip(file: &File) -> Result<Option<Format>, ReadError> {
-    let archive = zip::ZipArchive::new(BufReader::new(file.try_clone()?)).map_err(|e| match e {
-        zip::result::ZipError::Io(e) => ReadError::Io(e),
-        other => ReadError::Damaged {
-            format: "zip",
-            what: "the list of entries".to_owned(),
-            value: format!("unreadable ({other})"),
-            expected: "a whole archive".to_owned(),
-        },
-    })?;
-    let has = |name: &str| archive.index_for_name(name).is_some();
-    Ok(if has("prusaslicer.ini") || (has("config.ini") && !has("plate.json")) {
-        Some(Format::Sl1)
-    } else if has("plate.json") {
-        Some(Format::NanoDlp)
-    } else if has("manifest.json") {
-        Some(Format::PngZip)
-    } else {
-        None
-    })
-}
-
 /// Opens a container of any known format; what it is, its content says, not its name.
 ///
 /// # Errors
 /// [`ReadError`].
 pub fn open(path: &Path) -> Result<Box<dyn Reader>, ReadError> {
     if path.is_dir() {
-        return reader(Format::PngFolder, path, None);
+        return layer_files::open_folder(path);
     }
     let mut file = File::open(path)?;
     let mut start = Vec::with_capacity(64);
     file.by_ref().take(64).read_to_end(&mut start)?;
-    let format = match detect(&start) {
-        Kind::Known(format) => Some(format),
-        Kind::Zip => detect_zip(&file)?,
-        Kind::Other(what) => return Err(foreign(&format!(", it is {what}"))),
-        Kind::Unknown => None,
-    };
-    match format {
-        Some(format) => reader(format, path, Some(file)),
-        None if start.is_empty() => Err(foreign(", it is empty")),
-        None if detect(&start) == Kind::Zip => Err(foreign(", it is a zip without the entries of one")),
-        None => Err(foreign("")),
+    file.rewind()?;
+    match detect(&start) {
+        Kind::Known(Format::Goo) => goo::open(Box::new(file)),
+        Kind::Known(Format::Ctb) => ctb::open(Box::new(file)),
+        Kind::Known(Format::Anycubic) => anycubic::open(BufReader::new(file), &extension(path)),
+        Kind::Zip => layer_files::open_zip(Box::new(file)),
+        Kind::Known(other) => Err(foreign(&format!(", it is {} and not in an archive", other.name()))),
+        Kind::Other(what) => Err(foreign(&format!(", it is {what}"))),
+        Kind::Unknown if start.is_empty() => Err(foreign(", it is empty")),
+        Kind::Unknown => Err(foreign("")),
     }
-}
-
-/// The reader of a format.
-fn reader(format: Format, path: &Path, file: Option<File>) -> Result<Box<dyn Reader>, ReadError> {
-    match (format, file) {
-        (Format::Anycubic, Some(file)) => anycubic::open(BufReader::new(file), &extension(path)),
-        // To be filled in: a reader each.
-        (Format::Goo, _) => Err(unread(format)),
-        (Format::Ctb, _) => Err(unread(format)),
-        (Format::Sl1, _) => Err(unread(format)),
-        (Format::NanoDlp, _) => Err(unread(format)),
-        (Format::PngZip, _) => Err(unread(format)),
-        (Format::PngFolder, _) => Err(unread(format)),
-        (Format::Svg, _) => Err(unread(format)),
-        (_, None) => Err(ReadError::Io(io::ErrorKind::IsADirectory.into())),
-    }
-}
-
-fn unread(format: Format) -> ReadError {
-    foreign(&format!(", it is {}, which cannot be read yet", format.name()))
 }
 
 fn foreign(hint: &str) -> ReadError {
@@ -227,6 +197,7 @@ fn extension(path: &Path) -> String {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use std::path::PathBuf;
 
     #[test]
     fn files_are_told_by_their_first_bytes() {
@@ -253,9 +224,14 @@ mod tests {
         all.sort_unstable();
         all.dedup();
         assert_eq!(all.len(), count);
-        assert_eq!(Format::of_output(Path::new("a/b.PWMX")), Some(Format::Anycubic));
-        assert_eq!(Format::of_output(Path::new("a/b/")), Some(Format::PngFolder));
-        assert_eq!(Format::of_output(Path::new("a/b.stl")), None);
+        for container in ContainerFormat::ALL {
+            let format = Format::of_container(container);
+            assert!(format.extensions().contains(&container.extension()), "{container:?}");
+            let path = PathBuf::from(format!("a.{}", container.extension()));
+            assert!(format.container(&path, 0).is_some(), "{container:?}");
+        }
+        assert!(Format::is_folder(Path::new("a/b/")) && Format::is_folder(Path::new("a/b")));
+        assert!(!Format::is_folder(Path::new("a/b.goo")));
     }
 
     #[test]
@@ -269,7 +245,7 @@ mod tests {
         assert!(said("a.goo", b"").contains("it is empty"));
         assert!(said("a.goo", b"\x89PNG\r\n\x1A\n").contains("a single PNG"));
         assert!(said("a.goo", b"something").starts_with("is no container known here; known are goo, ctb"));
-        assert!(said("a.zip", b"PK\x03\x04 but no more").contains("list of entries"));
+        assert!(!said("a.zip", b"PK\x03\x04 but no more").is_empty());
         assert!(said("a.pwmx", b"ANYCUBIC").contains("truncated"));
         assert!(matches!(open(&dir.path().join("missing.goo")), Err(ReadError::Io(_))));
     }

@@ -301,12 +301,12 @@ impl Settings {
 }
 
 /// The files that a resin printer reads. The name is the file's extension, but for
-/// [`Self::EncryptedCtb`].
+/// [`Self::EncryptedCtb`] and [`Self::Svg`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContainerFormat {
     /// A stack of PNG pictures and a manifest.
     Zip,
-    /// One SVG drawing per layer, or all in one.
+    /// A stack of SVG drawings and a manifest.
     Svg,
     /// Prusa SL1.
     Sl1,
@@ -393,6 +393,7 @@ impl ContainerFormat {
     pub const fn extension(self) -> &'static str {
         match self {
             Self::EncryptedCtb => "ctb",
+            Self::Svg => "svg.zip",
             other => other.name(),
         }
     }
@@ -400,7 +401,7 @@ impl ContainerFormat {
     /// The format whose files have this extension (any case, no dot): never the encrypted one.
     pub fn of_extension(extension: &str) -> Option<Self> {
         let extension = extension.to_ascii_lowercase();
-        Self::ALL.into_iter().find(|f| *f != Self::EncryptedCtb && f.name() == extension)
+        Self::ALL.into_iter().find(|f| *f != Self::EncryptedCtb && f.extension() == extension)
     }
 
     /// True for the family of Anycubic's binary files.

@@ -1,15 +1,12 @@
-//! Containers written, read back to equal masks, and damaged in many ways.
+//! All containers are held to the same contract.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
+mod contract;
 mod nanodlp;
 mod sl1;
 mod stack;
 mod svg;
 mod zipped;
-//! All containers are held to the same contract.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
-
-mod contract;
 
 use microtome::resin::anycubic::{self, Anycubic};
 use microtome::resin::{ReadError, Reader, format};

@@ -57,7 +57,8 @@ impl Wanted<'_> {
         let reason = if named { "named with --adapter" } else { "the best hardware GPU" };
         let failure = match self.on_gpu(&per_plane, &mut progress, sender) {
             Ok(()) | Err(Stop::Gone) => {
-                let backend = BackendSummary { kind: "gpu", adapter: progress.adapter, ..super::layers::cpu(reason) };
+                let backend =
+                    BackendSummary { kind: "gpu", adapter: progress.adapter, ..super::layers::cpu(reason) };
                 return Ok(Done { backend, warning: None, contours: Vec::new() });
             }
             Err(Stop::Device(failure)) => {
@@ -155,9 +156,8 @@ fn make(maker: &Maker<'_>, first: u32, rows: &[Rows]) -> Vec<Arc<Made>> {
     let mut made: Vec<Arc<Made>> = Vec::with_capacity(rows.len());
     for (i, area) in rows.iter().enumerate() {
         let layer = first + i as u32;
-        let same = i > 0
-            && rows.get(i - 1) == Some(area)
-            && (maker.offset)(layer) == (maker.offset)(layer - 1);
+        let same =
+            i > 0 && rows.get(i - 1) == Some(area) && (maker.offset)(layer) == (maker.offset)(layer - 1);
         let next = match made.last() {
             Some(last) if same => Arc::clone(last),
             _ => maker.made(&Arc::new(maker.mask(area.clone(), layer))),

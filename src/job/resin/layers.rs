@@ -150,7 +150,7 @@ pub(super) fn cpu(reason: &str) -> BackendSummary {
 }
 
 /// The sides of closed rings.
-fn rings_to_edges(contours: &LayerContours, edges: &mut Vec<[Point2; 2]>) {
+pub(super) fn rings_to_edges(contours: &LayerContours, edges: &mut Vec<[Point2; 2]>) {
     edges.clear();
     for ring in &contours.rings {
         let next = ring.iter().cycle().skip(1);

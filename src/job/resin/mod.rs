@@ -4,6 +4,7 @@
 mod gpu;
 mod layers;
 mod make;
+mod pictures;
 mod plate;
 mod stream;
 mod summary;
@@ -14,13 +15,13 @@ pub use summary::{LargestLayer, PanelSummary, ResinSummary};
 
 use super::JobError;
 use super::backend::BackendOptions;
-use super::mask_check::{self, CheckReport};
+use super::mask_check::CheckReport;
 use super::memory;
 use super::open::OpenContours;
 use super::progress::Progress;
 use super::summary::Stopwatch;
 use crate::contour::TraceOptions;
-use crate::lattice::{self, NM_PER_MM};
+use crate::lattice;
 use crate::mask::Panel;
 use crate::mask::antialias::Shading;
 use crate::mask::check::{CheckLayer, CheckSettings, Checker, Findings};
@@ -89,7 +90,9 @@ pub fn run(
     };
     let [x, y, z] = plate.mesh.origin;
     let raster = Raster::new(panel, [x, y], &shading)?;
-    let container = format.container(settings, output).ok_or(JobError::NoWriter(format.name()))?;
+    let container = format
+        .container(output, settings.machine.container_version)
+        .ok_or(JobError::NoWriter(format.name()))?;
     let print = print(&plate, &layers, job, &panel);
     let mut target = Target::create(output, format)?;
     let schedule = Schedule::new(settings, &panel);
@@ -149,11 +152,14 @@ pub fn run(
     watch.stage("finish");
     let totals = sums.totals(&print);
     let (largest_layer, lit_pixels) = (sums.largest, sums.lit);
-    let check = match sums.finish() {
-        Some(findings) => Some(report(&findings, &wanted, job)?),
-        None => None,
+    let check = match (sums.finish(), &job.check) {
+        (Some(findings), Some(settings)) => Some(CheckReport::new(findings, settings)),
+        _ => None,
     };
-    warnings.extend(check.iter().flat_map(|c| c.warnings()));
+    if let (Some(check), Some(settings), Some(folder)) = (&check, &job.check, &job.check_pictures) {
+        pictures::draw(check, settings, &wanted, folder)?;
+    }
+    warnings.extend(check.iter().flat_map(CheckReport::warnings));
     let bytes = target.commit()?;
     Ok(ResinSummary {
         models: plate.models,
@@ -281,8 +287,4 @@ impl Sums {
         checker.push(&self.batch);
         Some(checker.finish())
     }
-}
-
-fn report(findings: &Findings, wanted: &Wanted<'_>, job: &ResinJob<'_>) -> Result<CheckReport, JobError> {
-    todo!()
 }

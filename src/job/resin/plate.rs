@@ -28,6 +28,8 @@ pub(super) struct Plate {
     /// World position = its origin + vertex; the plate's corner is the world's zero.
     pub mesh: Mesh,
     pub adjacency: Adjacency,
+    /// Some edge of it has no partner, so that its sections may not be closed.
+    pub open: bool,
     pub models: Vec<ModelSummary>,
     pub warnings: Vec<String>,
 }
@@ -108,7 +110,8 @@ pub(super) fn prepare(
         meshes.push((mesh, adjacency));
     }
     let (mesh, adjacency) = plate::join(meshes).map_err(JobError::Plate)?;
-    Ok(Plate { mesh, adjacency, models, warnings })
+    let open = models.iter().any(|m| m.mesh.open_edges > 0);
+    Ok(Plate { mesh, adjacency, open, models, warnings })
 }
 
 /// The same in a resin printer's words.

@@ -36,7 +36,10 @@ impl Target {
         let place = if format == Format::PngFolder {
             Self::refuse_other_folders(path)?;
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let made = tempfile::Builder::new().prefix(&format!(".{name}.")).suffix(".part").tempdir_in(around(path));
+            let made = tempfile::Builder::new()
+                .prefix(&format!(".{name}."))
+                .suffix(".part")
+                .tempdir_in(around(path));
             Place::Folder(made.map_err(|e| OutputError::new(path, e))?)
         } else {
             Place::File(Box::new(OutputFile::create(path)?))
@@ -82,7 +85,9 @@ impl Target {
             Place::Folder(folder) => stack::PngStack.begin_folder(folder.path(), print),
         };
         let sink = sink.map_err(|e| match e.kind() {
-            io::ErrorKind::InvalidInput => JobError::Unfit { format: container.name(), problem: e.to_string() },
+            io::ErrorKind::InvalidInput => {
+                JobError::Unfit { format: container.name(), problem: e.to_string() }
+            }
             _ => OutputError::new(path, e).into(),
         })?;
         Ok(TargetSink { path, sink })
