@@ -7,6 +7,7 @@ mod contours;
 mod below;
 mod faults;
 mod inspect;
+mod mask;
 mod output;
 mod same_bytes;
 mod settings;
