@@ -123,3 +123,39 @@ impl Coverage {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(gamma: f64, minimum_grey: u8) -> [u8; 256] {
+        Shading { sub_rows: 4, gamma, minimum_grey }.table()
+    }
+
+    #[test]
+    fn tables_keep_black_and_white() {
+        assert!((0..=255).eq(table(1.0, 0)));
+        let light = table(0.5, 0);
+        assert_eq!([0, 1, 64, 128, 255].map(|v| light[v]), [0, 16, 128, 181, 255]);
+        let threshold = table(0.0, 90);
+        assert_eq!([0, 1, 127, 128, 255].map(|v| threshold[v]), [0, 0, 0, 255, 255]);
+        let raised = table(1.0, 90);
+        assert_eq!([0, 1, 89, 90, 91, 254, 255].map(|v| raised[v]), [0, 90, 90, 90, 91, 254, 255]);
+        for gamma in [0.0, 0.3, 1.0, 2.2] {
+            assert!(table(gamma, 30).is_sorted());
+        }
+    }
+
+    #[test]
+    fn grey_is_the_rounded_share() {
+        for (sub_rows, pitch) in [(2, 1000), (16, 1 << 22), (8, 19_000), (4, 28_501)] {
+            let greys = Greys::new(&Shading { sub_rows, ..Shading::default() }, pitch);
+            let full = i64::from(sub_rows) * pitch;
+            for i in 0..=3000 {
+                let covered = full * i / 3000;
+                let expected = (510 * covered + full) / (2 * full);
+                assert_eq!(i64::from(greys.of(covered as i32)), expected, "{covered} of {full}");
+            }
+        }
+    }
+}

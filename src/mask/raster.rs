@@ -3,7 +3,7 @@
 //! Without anti-aliasing a pixel is lit if and only if its centre lies in a span `start..end` of the row
 //! through the pixels' centres. Centre `i` of a row lies at `left + i * pitch + pitch / 2`; a half is
 //! rounded up once, towards +s along a row and towards +t across rows ([`RowFrame::strips`]). Crossings
-//! of rows are rounded as in [`crate::span::scan`].
+//! of rows are rounded as in [`crate::span::scan()`].
 
 use super::antialias::{Coverage, Greys, Shading};
 use super::{MaskLayer, Panel};
@@ -257,5 +257,100 @@ impl<'a> Pen<'a> {
                 }
             }
         });
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::span::RowsBuilder;
+
+    const PANEL: Panel = Panel {
+        width: 6,
+        height: 4,
+        pitch_x: 1000,
+        pitch_y: 2001,
+        mirror_x: false,
+        mirror_y: false,
+        portrait: false,
+    };
+
+    /// The edges of a triangle that covers the centres of the pixels 1 and 2 of the lowest row and 1 of
+    /// the next; x and y exchanged in portrait.
+    fn corner(portrait: bool, origin: [i64; 2]) -> Vec<[Point2; 2]> {
+        let ring = [(1400, 900), (2600, 900), (1400, 4000)].map(|(x, y)| {
+            let [x, y] = if portrait { [y, x] } else { [x, y] };
+            Point2::new((x - origin[0]) as i32, (y - origin[1]) as i32)
+        });
+        (0..3).map(|i| [ring[i], ring[(i + 1) % 3]]).collect()
+    }
+
+    fn drawn(panel: Panel, shading: &Shading) -> Vec<[u32; 3]> {
+        let origin = [123, -77];
+        let raster = Raster::new(panel, origin, shading).unwrap();
+        let mask = Painter::new(&raster).mask(&corner(panel.portrait, origin));
+        mask.runs.iter().map(|r| [r.start, r.end, r.value.into()]).collect()
+    }
+
+    #[test]
+    fn images_lie_as_the_panel_says() {
+        let off = Shading::default();
+        for portrait in [false, true] {
+            let panel = Panel { portrait, ..PANEL };
+            // Six pixels a row; the lowest row of the plate is the last of the image.
+            assert_eq!(drawn(panel, &off), [[13, 14, 255], [19, 21, 255]]);
+            assert_eq!(drawn(Panel { mirror_y: true, ..panel }, &off), [[1, 3, 255], [7, 8, 255]]);
+            assert_eq!(drawn(Panel { mirror_x: true, ..panel }, &off), [[16, 17, 255], [21, 23, 255]]);
+        }
+    }
+
+    #[test]
+    fn centres_are_rounded_once_and_spans_are_half_open() {
+        let raster = Raster::new(Panel { pitch_x: 1001, ..PANEL }, [0, 0], &Shading::default()).unwrap();
+        assert_eq!((raster.rows(), raster.frame().t(0), raster.frame().t(1)), (0..4, 1001, 3002));
+        // Centres at 501 and 1502.
+        let columns = [-5000, 0, 501, 502, 1502, 1503, 5506, 5507, i32::MAX].map(|s| raster.column(s));
+        assert_eq!(columns, [0, 0, 0, 1, 1, 2, 5, 6, 6]);
+        let mut rows = RowsBuilder::new(-1);
+        for spans in [&[(0, 9000)][..], &[(0, 501), (501, 502), (1503, 9000)], &[(-9, -1), (1502, 1503)]] {
+            spans.iter().for_each(|&(start, end)| rows.push(start, end));
+            rows.end_row();
+        }
+        let runs: Vec<_> = raster.mask(&rows.finish()).runs.iter().map(|r| [r.start, r.end]).collect();
+        assert_eq!(runs, [[13, 14], [18, 19], [20, 24]]);
+    }
+
+    #[test]
+    fn coverage_is_exact() {
+        let shading = Shading { sub_rows: 2, ..Shading::default() };
+        let raster = Raster::new(PANEL, [0, 0], &shading).unwrap();
+        let mut rows = RowsBuilder::new(0);
+        for spans in [&[(250, 2100)][..], &[(250, 500), (1000, 2100)], &[(-50, 0), (3000, 7000)]] {
+            spans.iter().for_each(|&(start, end)| rows.push(start, end));
+            rows.end_row();
+        }
+        let runs: Vec<_> =
+            raster.mask(&rows.finish()).runs.iter().map(|r| [r.start, r.end, r.value.into()]).collect();
+        // Of 2000 nm: a half in three pixels, then 750 + 250, 1000 + 1000 and 100 + 100.
+        assert_eq!(runs, [[15, 19, 128], [19, 20, 255], [20, 21, 26]]);
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_refused() {
+        let error = |panel: Panel, origin, sub_rows| {
+            let shading = Shading { sub_rows, ..Shading::default() };
+            let error = Raster::new(panel, origin, &shading).unwrap_err();
+            assert!(!error.to_string().contains('\n'));
+            error
+        };
+        assert_eq!(error(PANEL, [0, 0], 3), RasterError::SubRows(3));
+        assert!(matches!(error(Panel { pitch_y: 0, ..PANEL }, [0, 0], 1), RasterError::Pitch { .. }));
+        assert!(matches!(error(Panel { width: 0, ..PANEL }, [0, 0], 1), RasterError::Pixels { .. }));
+        let wide = Panel { width: 1 << 16, height: 1 << 16, ..PANEL };
+        assert!(matches!(error(wide, [0, 0], 1), RasterError::Pixels { .. }));
+        let long = Panel { width: 1 << 23, height: 1, ..PANEL };
+        assert!(matches!(error(long, [0, 0], 1), RasterError::Size { .. }));
+        assert!(matches!(error(PANEL, [i64::MIN, 0], 1), RasterError::Far { .. }));
     }
 }

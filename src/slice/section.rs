@@ -280,12 +280,21 @@ pub struct Sweep<'a> {
     run: Range<usize>,
     /// The next plane.
     next: usize,
-    /// Slabs sorted by the plane of the run where they begin, and per plane the end of its slabs.
-    waiting: Vec<(u32, u32)>,
+    /// Slabs sorted by the plane of the run where they begin.
+    waiting: Vec<Waiting>,
+    /// Per plane the end of its slabs.
     begun: Vec<u32>,
     /// The slabs that meet the last plane.
     active: Vec<Active>,
     edges: Vec<[Point2; 2]>,
+}
+
+/// A slab that planes have yet to meet.
+#[derive(Clone, Copy, Debug, Default)]
+struct Waiting {
+    /// Its triangle's vertices.
+    ids: [u32; 3],
+    to: u32,
 }
 
 /// A slab that planes pass through: start and end of its section as x, y, x, y.
@@ -297,7 +306,8 @@ struct Active {
     low: [i32; 4],
     low_z: [i32; 2],
     to: u32,
-    triangle: u32,
+    /// Where it waited.
+    slab: u32,
 }
 
 impl<'a> Sweep<'a> {
@@ -312,10 +322,11 @@ impl<'a> Sweep<'a> {
         for k in 1..begun.len() {
             begun[k] += begun[k - 1];
         }
-        let mut waiting = vec![(0, 0); begun.last().map_or(0, |&n| n as usize)];
+        let mut waiting = vec![Waiting::default(); begun.last().map_or(0, |&n| n as usize)];
         for slab in slabs() {
             let cursor = &mut begun[place(slab)];
-            waiting[*cursor as usize] = (slab.triangle, slab.to);
+            let ids = sections.mesh.triangles[slab.triangle as usize];
+            waiting[*cursor as usize] = Waiting { ids, to: slab.to };
             *cursor += 1;
         }
         Self { sections, next: run.start, run, waiting, begun, active: Vec::new(), edges: Vec::new() }
@@ -342,9 +353,10 @@ impl<'a> Sweep<'a> {
         let from = if here == 0 { 0 } else { self.begun[here - 1] };
         let z = self.sections.planes[k];
         let mesh = self.sections.mesh;
-        for &(triangle, to) in &self.waiting[from as usize..self.begun[here] as usize] {
-            let corner = mesh.triangles[triangle as usize].map(|v| mesh.vertices[v as usize]);
-            self.active.push(Active::new(corner, z, triangle, to));
+        let waiting = self.waiting.get(from as usize..self.begun[here] as usize).unwrap_or_default();
+        self.active.reserve(waiting.len());
+        for (i, slab) in (from..).zip(waiting) {
+            self.active.push(Active::new(corners(mesh, slab.ids), z, i, slab.to));
         }
     }
 
@@ -360,30 +372,49 @@ impl<'a> Sweep<'a> {
                 continue;
             }
             let (edge, certain) = slab.cut(z);
-            self.edges.push(if certain { edge } else { exact(self.sections.mesh, slab.triangle, z) });
+            self.edges.push(if certain {
+                edge
+            } else {
+                exact(self.sections.mesh, self.waiting[slab.slab as usize].ids, z)
+            });
             i += 1;
         }
     }
 }
 
+// Written out below: as maps over arrays these few lines take twice the time.
+
+#[inline(always)]
+fn corners(mesh: &Mesh, [a, b, c]: [u32; 3]) -> [Point3; 3] {
+    [mesh.vertices[a as usize], mesh.vertices[b as usize], mesh.vertices[c as usize]]
+}
+
+#[inline(always)]
+fn above(corner: &[Point3; 3], z: i32) -> [bool; 3] {
+    [corner[0].z >= z, corner[1].z >= z, corner[2].z >= z]
+}
+
 impl Active {
     #[inline(always)]
-    fn new(corner: [Point3; 3], z: i32, triangle: u32, to: u32) -> Self {
-        let (down, up) = down_up(corner.map(|c| c.z >= z));
-        let (start, end) = ([corner[NEXT[down]], corner[down]], [corner[up], corner[NEXT[up]]]);
-        let slope = |[low, high]: [Point3; 2]| {
-            // Below 2^31, as coordinates are below 2^30.
-            let difference = |to: i32, from: i32| f64::from(to.wrapping_sub(from));
-            let inverse = 1.0 / difference(high.z, low.z);
-            [difference(high.x, low.x) * inverse, difference(high.y, low.y) * inverse]
-        };
-        let ([sx, sy], [ex, ey]) = (slope(start), slope(end));
+    fn new(corner: [Point3; 3], z: i32, slab: u32, to: u32) -> Self {
+        let (down, up) = down_up(above(&corner, z));
+        let (start, start_high) = (corner[NEXT[down]], corner[down]);
+        let (end, end_high) = (corner[up], corner[NEXT[up]]);
+        // Below 2^31, as coordinates are below 2^30.
+        let difference = |to: i32, from: i32| f64::from(to.wrapping_sub(from));
+        let start_inverse = 1.0 / difference(start_high.z, start.z);
+        let end_inverse = 1.0 / difference(end_high.z, end.z);
         Self {
-            slope: [sx, sy, ex, ey],
-            low: [start[0].x, start[0].y, end[0].x, end[0].y],
-            low_z: [start[0].z, end[0].z],
+            slope: [
+                difference(start_high.x, start.x) * start_inverse,
+                difference(start_high.y, start.y) * start_inverse,
+                difference(end_high.x, end.x) * end_inverse,
+                difference(end_high.y, end.y) * end_inverse,
+            ],
+            low: [start.x, start.y, end.x, end.y],
+            low_z: [start.z, end.z],
             to,
-            triangle,
+            slab,
         }
     }
 
@@ -391,16 +422,20 @@ impl Active {
     /// 2^-20, which [`moved`] allows for.
     #[inline(always)]
     fn cut(&self, z: i32) -> ([Point2; 2], bool) {
-        let rise = self.low_z.map(|low| f64::from(z.wrapping_sub(low)));
-        let c = [0, 1, 2, 3].map(|i| moved(self.low[i], self.slope[i] * rise[i / 2]));
-        let certain = c[0].1 & c[1].1 & c[2].1 & c[3].1;
-        ([Point2::new(c[0].0, c[1].0), Point2::new(c[2].0, c[3].0)], certain)
+        let start_rise = f64::from(z.wrapping_sub(self.low_z[0]));
+        let end_rise = f64::from(z.wrapping_sub(self.low_z[1]));
+        let (x0, certain_x0) = moved(self.low[0], self.slope[0] * start_rise);
+        let (y0, certain_y0) = moved(self.low[1], self.slope[1] * start_rise);
+        let (x1, certain_x1) = moved(self.low[2], self.slope[2] * end_rise);
+        let (y1, certain_y1) = moved(self.low[3], self.slope[3] * end_rise);
+        let certain = certain_x0 & certain_y0 & certain_x1 & certain_y1;
+        ([Point2::new(x0, y0), Point2::new(x1, y1)], certain)
     }
 }
 
 #[cold]
-fn exact(mesh: &Mesh, triangle: u32, z: i32) -> [Point2; 2] {
-    let corner = mesh.triangles[triangle as usize].map(|v| mesh.vertices[v as usize]);
-    let (down, up) = down_up(corner.map(|c| c.z >= z));
+fn exact(mesh: &Mesh, ids: [u32; 3], z: i32) -> [Point2; 2] {
+    let corner = corners(mesh, ids);
+    let (down, up) = down_up(above(&corner, z));
     [exact_point(corner[NEXT[down]], corner[down], z), exact_point(corner[up], corner[NEXT[up]], z)]
 }

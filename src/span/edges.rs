@@ -1,6 +1,6 @@
 //! Directed edges → sorted spans per row: no rings, no links, no order.
 //!
-//! The rules are those of [`super::scan`], and so are the bits. Crossings are counted per row before
+//! The rules are those of [`super::scan()`], and so are the bits. Crossings are counted per row before
 //! they are computed, so each goes straight to its row; rows are then sorted, which are short.
 
 use super::scan::crossing;
@@ -114,7 +114,7 @@ impl EdgeScan {
         self.at.clear();
         let (mut low, mut high) = (i32::MAX, i32::MIN);
         for edge in edges {
-            let [a, b] = edge.map(|p| st(p).1);
+            let (a, b) = (st(edge[0]).1, st(edge[1]).1);
             (low, high) = (low.min(a).min(b), high.max(a).max(b));
         }
         if low >= high {

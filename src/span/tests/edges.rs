@@ -66,8 +66,8 @@ fn large_edges_have_the_bits_of_small_ones() {
     let m = i64::from(LIMIT - 1);
     let mut random = Random(9);
     for axis in AXES {
-        for sub_rows in [1, 4] {
-            let frame = RowFrame::strips(axis, random.within(-m, m), 9_999_999, sub_rows);
+        for (sub_rows, pitch) in [(1, 9_999_999), (4, 9_999_999), (1, 300_000_000), (2, 1 << 30)] {
+            let frame = RowFrame::strips(axis, random.within(-m, m), pitch, sub_rows);
             let mut edge_scan = EdgeScan::new(&frame);
             for round in 0..40 {
                 let mut point = || {
