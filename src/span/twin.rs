@@ -246,7 +246,7 @@ mod tests {
         assert_eq!(scan(&window, 1, &open), Some(vec![None]));
         let far = vec![Point2::new(0, 0), Point2::new(1 << 29, 1 << 29), Point2::new(0, 1 << 29)];
         let diagonal = RowWindow::new([1, 1], 0, 0, 1_000_000, &[0], 500).unwrap();
-        assert_eq!(scan(&diagonal, 1, &segments(&[far.clone()])), None);
+        assert_eq!(scan(&diagonal, 1, &segments(std::slice::from_ref(&far))), None);
         let axis = RowWindow::new([1, 0], 0, 0, 1_000_000, &[0], 500).unwrap();
         assert!(scan(&axis, 1, &segments(&[far])).is_some());
     }

@@ -513,7 +513,7 @@ fn drifted(bench: &Bench) -> Result<(), Failed> {
         (0, "sort 1", "child + 1u < length", "child + 2u < length"),
         (0, "sort 2", "keys[at - 1u] > key", "keys[at - 1u] < key"),
         (0, "sort 3", "select(1i, -1i,", "select(1i, 1i,"),
-        (0, "sort 4", "before == 0i && winding != 0i", "before == 0i"),
+        (0, "sort 4", "before != 0i && winding == 0i", "winding == 0i"),
         (0, "sort 5", "(keys[i] >> 1u) == at", "keys[i] == 2u * at"),
         (0, "sort 6", "row_offset[row + 2u]", "row_offset[row + 1u]"),
         (1, "compact 1", "2u * i + 1u", "2u * i"),
