@@ -7,6 +7,7 @@ mod contours;
 mod below;
 mod faults;
 mod output;
+mod printers;
 mod same_bytes;
 mod settings;
 
