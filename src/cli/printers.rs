@@ -3,7 +3,7 @@
 use super::exit::CliError;
 use super::report;
 use crate::settings::printers::{self, Preset, PrinterError};
-use crate::settings::{ContainerFormat, DisplayOrientation, Settings, SettingsError};
+use crate::settings::{DisplayOrientation, Settings, SettingsError};
 use clap::Args;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -33,9 +33,8 @@ struct Printer {
     orientation: &'static str,
     mirror: [bool; 2],
     container: &'static str,
-    container_version: u32,
-    /// Whether its own container can be written.
-    writable: bool,
+    /// Whether its own files can be written.
+    written: bool,
 }
 
 /// One printer and all its settings.
@@ -94,24 +93,20 @@ impl Printer {
             },
             mirror: [d.display_mirror_x, d.display_mirror_y],
             container: m.container.name(),
-            container_version: m.container_version,
-            writable: m.container != ContainerFormat::EncryptedCtb,
+            written: m.container.is_written(),
         }
     }
 
     fn row(&self) -> [String; 6] {
         let ([px, py], [x, y], [w, d, h]) = (self.pixels, self.pitch_um, self.volume_mm);
-        let version = match self.container_version {
-            0 => String::new(),
-            v => format!(" v{v}"),
-        };
+        let mark = if self.written { "" } else { " *" };
         [
             self.slug.to_owned(),
             self.name.clone(),
             format!("{px} x {py}"),
             if x == y { format!("{x}") } else { format!("{x} x {y}") },
             format!("{w} x {d} x {h}"),
-            format!("{}{version}", self.container),
+            format!("{}{mark}", self.container),
         ]
     }
 }
@@ -133,7 +128,7 @@ fn table(all: &[Printer]) -> String {
 }
 
 const NOTES: &str = "
-encrypted-ctb cannot be written: for these give an output ending in .goo or .zip and convert it.
+* cannot be written: name an output ending in .goo or .zip, and convert it.
 `microtome printers NAME` prints a printer's settings; save them, edit them, and give them as --printer FILE.toml.
 ";
 
@@ -156,7 +151,8 @@ mod tests {
             words,
             "elegoo-saturn-3-ultra ELEGOO Saturn 3 Ultra 11520 x 5120 19 x 24 218.88 x 122.88 x 260 goo"
         );
-        assert!(row("prusa-sl1").contains(" 47.25 ") && row("anycubic-photon-mono-x").ends_with("pwmx v516"));
+        assert!(row("prusa-sl1").contains(" 47.25 ") && row("anycubic-photon-mono-x").ends_with(" pwmx"));
+        assert!(row("elegoo-mars-3").ends_with(" encrypted-ctb *"));
         assert!(table.lines().all(|l| l.trim_end() == l));
     }
 
@@ -165,7 +161,7 @@ mod tests {
         let json = serde_json::to_value(all()).unwrap();
         let sl1 = json.as_array().unwrap().iter().find(|p| p["slug"] == "prusa-sl1").unwrap();
         assert_eq!(sl1["pixels"], serde_json::json!([2560, 1440]));
-        assert_eq!((&sl1["orientation"], &sl1["writable"]), (&"portrait".into(), &true.into()));
+        assert_eq!((&sl1["orientation"], &sl1["written"]), (&"portrait".into(), &true.into()));
         for preset in printers::all() {
             let file = tempfile::Builder::new().suffix(".toml").tempfile().unwrap();
             std::fs::write(file.path(), preset.toml).unwrap();

@@ -185,7 +185,7 @@ mod tests {
         let p = print(&s, &panel(&s), 960);
         assert_eq!((p.machine.as_str(), p.material.as_str()), ("ELEGOO Saturn 3 Ultra", "Tough"));
         assert_eq!((p.layers, p.build_height, p.density, p.cost), (960, 260.0, 1.1, 60.0));
-        assert_eq!((p.bottom_layers, p.transition_layers), (1, 7));
+        assert_eq!((p.bottom_layers, p.transition_layers), (3, 8));
         assert!(p.config.starts_with("absolute_correction = 0\nanti_aliasing = 1\n"));
         assert!(p.config.contains("\nprinter_technology = SLA\n") && !p.config.contains("perimeters"));
         assert!(p.config.lines().is_sorted_by_key(|l| l.split(" = ").next().map(str::to_owned)));

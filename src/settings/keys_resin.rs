@@ -2,6 +2,7 @@
 
 use super::keys::registry;
 use super::kind::Kind::{self, Choice, Count, Flag, LengthOrPixels, Number, Text};
+use super::types_resin::CONTAINERS;
 
 /// A speed of the plate; 0 is refused by the cross-checks where the plate moves.
 const SPEED: Kind = Number(0.0, 10_000.0);
@@ -10,30 +11,6 @@ const TIME: Kind = Number(0.0, 3600.0);
 const LIGHT: Kind = Count(0, 255);
 const LAYERS: Kind = Count(0, 100_000);
 const FACTOR: Kind = Number(0.5, 2.0);
-const CONTAINERS: Kind = Choice(
-    &[
-        "zip",
-        "svg",
-        "sl1",
-        "sl1s",
-        "goo",
-        "ctb",
-        "encrypted-ctb",
-        "nanodlp",
-        "pwmo",
-        "pwms",
-        "pwma",
-        "pwmx",
-        "pwmb",
-        "pm3",
-        "pm3m",
-        "pm5",
-        "pm5s",
-        "m5sp",
-    ],
-    &[],
-);
-
 registry! {
     /// The settings of resin printers alone, grouped by stage.
     RESIN_KEYS of Resin:
@@ -43,7 +20,7 @@ registry! {
     Exposure exposure.initial_exposure_time: TIME, "s", "Exposure of bottom layers";
     Exposure exposure.bottom_layers: LAYERS, "layers", "Layers with the full initial_exposure_time";
     Exposure exposure.transition_layers: LAYERS, "layers", "Layers behind the bottom layers whose exposure falls linearly to exposure_time";
-    Exposure exposure.faded_layers: LAYERS, "layers", "The exposure falls linearly from the first layer on and is normal from this one on, counted from 0: the same as bottom_layers = 1 and transition_layers one less, and in their place; 0 = they rule";
+    Exposure exposure.faded_layers: LAYERS, "layers", "PrusaSlicer's way: three bottom layers and so many transition layers, in the place of bottom_layers and transition_layers; 0 = they rule";
     Exposure exposure.light: LIGHT, "", "Light of normal layers; 255 = full";
     Exposure exposure.bottom_light: LIGHT, "", "Light of bottom layers; 255 = full";
 
@@ -98,7 +75,7 @@ registry! {
 
     Printer machine.machine_name: Text, "", "Full name of the machine, as some compare it with the file's";
     Printer machine.printer_model: Text, "", "Code of the machine, such as SL1S, which a Prusa compares with the file's";
-    Printer machine.container: CONTAINERS, "", "The files that the machine reads; where the output's name has an extension, that decides";
-    Printer machine.container_version: Count(0, 100_000), "", "Version of the container; 0 = the writer's choice";
+    Printer machine.container: Choice(CONTAINERS, &[]), "", "The files that the machine reads; where the output's name has an extension, that decides";
+    Printer machine.ctb_version: Choice(&["3", "4"], &[]), "", "Version of a .ctb file; 4 knows two-stage lifts and rests";
     Printer machine.sla_archive_format: Text, "", "PrusaSlicer's name of the container; kept for the settings within an .sl1";
 }

@@ -121,8 +121,8 @@ A length marked `px` in its range may be given in pixels, `2px`: as many times t
 
 Exposure has two descriptions. `bottom_layers` layers get the full `initial_exposure_time`, and over the
 `transition_layers` behind them it falls linearly to `exposure_time`: of T transition layers the i-th, counted from 1,
-gets `initial - (initial - normal) i / (T + 1)`. PrusaSlicer's `faded_layers = F` above 0 replaces both: layer i, counted
-from 0, gets `initial - (initial - normal) i / F`, which is the same as one bottom layer and F - 1 transition layers.
+gets `initial - (initial - normal) i / (T + 1)`. PrusaSlicer's `faded_layers = F` above 0 replaces both and means what
+it means there: three bottom layers and F transition layers.
 Lift, rests and light change at once, behind the bottom layers.
 
 A file with `printer_technology = FFF` is refused here, as one with `SLA` is by the commands for filament. Settings of the

@@ -165,7 +165,6 @@ static PRESETS: &[Preset] = presets![
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::super::types_resin::ContainerFormat;
     use super::*;
     use std::collections::BTreeSet;
 
@@ -195,7 +194,7 @@ mod tests {
                 assert!((pitch - whole).abs() < 0.01, "{}: {pitch} nm", preset.slug);
                 assert!((10_000.0..60_000.0).contains(&pitch), "{}: {pitch} nm", preset.slug);
             }
-            let prusa = matches!(s.machine.container, ContainerFormat::Sl1 | ContainerFormat::Sl1s);
+            let prusa = matches!(s.machine.container.name(), "sl1" | "sl1s");
             assert_eq!((s.lift.tilt, s.exposure.faded_layers > 0), (prusa, prusa), "{}", preset.slug);
         }
     }
@@ -216,12 +215,12 @@ mod tests {
     #[test]
     fn the_panels_are_those_of_the_profiles() {
         for (slug, pixels, size, container) in [
-            ("prusa-sl1", [2560, 1440], [120.96, 68.04], ContainerFormat::Sl1),
-            ("prusa-sl1s", [2560, 1620], [128.0, 81.0], ContainerFormat::Sl1s),
-            ("elegoo-mars-2-pro", [1620, 2560], [82.62, 130.56], ContainerFormat::Ctb),
-            ("elegoo-saturn-3-ultra", [11_520, 5120], [218.88, 122.88], ContainerFormat::Goo),
-            ("elegoo-saturn-4-ultra-16k", [15_120, 6230], [211.68, 118.37], ContainerFormat::EncryptedCtb),
-            ("anycubic-photon-mono-x-6k", [5760, 3600], [198.144, 123.84], ContainerFormat::Pwmb),
+            ("prusa-sl1", [2560, 1440], [120.96, 68.04], "sl1"),
+            ("prusa-sl1s", [2560, 1620], [128.0, 81.0], "sl1s"),
+            ("elegoo-mars-2-pro", [1620, 2560], [82.62, 130.56], "ctb"),
+            ("elegoo-saturn-3-ultra", [11_520, 5120], [218.88, 122.88], "goo"),
+            ("elegoo-saturn-4-ultra-16k", [15_120, 6230], [211.68, 118.37], "encrypted-ctb"),
+            ("anycubic-photon-mono-x-6k", [5760, 3600], [198.144, 123.84], "pwmb"),
         ] {
             let s = find(slug).unwrap().settings().unwrap();
             let d = &s.display;
@@ -230,7 +229,7 @@ mod tests {
                 (pixels, size)
             );
             assert_eq!(
-                (s.machine.container, d.display_mirror_x, d.display_mirror_y),
+                (s.machine.container.name(), d.display_mirror_x, d.display_mirror_y),
                 (container, true, false)
             );
         }

@@ -36,8 +36,8 @@ pub struct ExposureSettings {
     pub bottom_layers: u32,
     /// Layers behind them whose exposure falls linearly to the normal one.
     pub transition_layers: u32,
-    /// The exposure falls linearly from the first layer on and is normal at this one, counted from 0;
-    /// 0 = `bottom_layers` and `transition_layers` rule.
+    /// PrusaSlicer's number of transition layers, behind three bottom layers; 0 = `bottom_layers` and
+    /// `transition_layers` rule.
     pub faded_layers: u32,
     /// Light of normal layers, 0..=255.
     pub light: u32,
@@ -46,12 +46,12 @@ pub struct ExposureSettings {
 }
 
 impl ExposureSettings {
-    /// Bottom layers and transition layers in force: `faded_layers = n` means one bottom layer and
-    /// n - 1 transition layers, which is the same fall.
+    /// Bottom layers and transition layers in force: `faded_layers` above 0 means PrusaSlicer's three
+    /// bottom layers with so many transition layers behind them.
     pub fn bottom_and_transition(&self) -> (u32, u32) {
         match self.faded_layers {
             0 => (self.bottom_layers, self.transition_layers),
-            n => (1, n - 1),
+            faded => (3, faded),
         }
     }
 }
@@ -259,8 +259,8 @@ pub struct MachineSettings {
     pub printer_model: String,
     /// The files that the machine reads.
     pub container: ContainerFormat,
-    /// Version of the container; 0 = the writer's own choice.
-    pub container_version: u32,
+    /// Version of a `.ctb` file: 3 or 4.
+    pub ctb_version: u32,
     /// PrusaSlicer's name of the container.
     pub sla_archive_format: String,
 }
@@ -270,8 +270,8 @@ impl Default for MachineSettings {
         Self {
             machine_name: String::new(),
             printer_model: String::new(),
-            container: ContainerFormat::Zip,
-            container_version: 0,
+            container: ContainerFormat::ZIP,
+            ctb_version: 3,
             sla_archive_format: "SL1".to_owned(),
         }
     }
@@ -300,124 +300,70 @@ impl Settings {
     }
 }
 
-/// The files that a resin printer reads. The name is the file's extension, but for
-/// [`Self::EncryptedCtb`] and [`Self::Svg`].
+/// The files that a resin printer reads, by their extension; encrypted `.ctb` files have a name of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ContainerFormat {
-    /// A stack of PNG pictures and a manifest.
-    Zip,
-    /// A stack of SVG drawings and a manifest.
-    Svg,
-    /// Prusa SL1.
-    Sl1,
-    /// Prusa SL1S.
-    Sl1s,
-    /// Elegoo.
-    Goo,
-    /// Chitubox, plain.
-    Ctb,
-    /// Chitubox, encrypted: known, not written.
-    EncryptedCtb,
-    /// NanoDLP.
-    Nanodlp,
-    /// Anycubic Photon Mono.
-    Pwmo,
-    /// Anycubic Photon Mono SE.
-    Pwms,
-    /// Anycubic Photon Mono 4K.
-    Pwma,
-    /// Anycubic Photon Mono X.
-    Pwmx,
-    /// Anycubic Photon Mono X 6K.
-    Pwmb,
-    /// Anycubic Photon M3.
-    Pm3,
-    /// Anycubic Photon M3 Max.
-    Pm3m,
-    /// Anycubic Photon Mono M5.
-    Pm5,
-    /// Anycubic Photon Mono M5s.
-    Pm5s,
-    /// Anycubic Photon Mono M5s Pro.
-    M5sp,
-}
+pub struct ContainerFormat(&'static str);
+
+/// All names of containers.
+pub(super) const CONTAINERS: &[&str] = &[
+    "zip",
+    "svg",
+    "sl1",
+    "sl1s",
+    "goo",
+    "prz",
+    "ctb",
+    "encrypted-ctb",
+    "nanodlp",
+    "pw0",
+    "pwx",
+    "dlp",
+    "pwmo",
+    "pwms",
+    "pwmx",
+    "pmsq",
+    "pwma",
+    "pm3",
+    "pm3m",
+    "pwmb",
+    "dl2p",
+    "pmx2",
+    "pm3r",
+    "pm3n",
+    "px6s",
+    "pm5",
+    "pm5s",
+    "m5sp",
+];
+
+/// Those of them that are only known: encrypted, or of a version that is not documented well enough.
+const NOT_WRITTEN: &[&str] = &["encrypted-ctb", "pm5s", "m5sp"];
 
 impl ContainerFormat {
-    /// All formats.
-    pub const ALL: [Self; 18] = [
-        Self::Zip,
-        Self::Svg,
-        Self::Sl1,
-        Self::Sl1s,
-        Self::Goo,
-        Self::Ctb,
-        Self::EncryptedCtb,
-        Self::Nanodlp,
-        Self::Pwmo,
-        Self::Pwms,
-        Self::Pwma,
-        Self::Pwmx,
-        Self::Pwmb,
-        Self::Pm3,
-        Self::Pm3m,
-        Self::Pm5,
-        Self::Pm5s,
-        Self::M5sp,
-    ];
+    /// A stack of pictures in a zip.
+    pub const ZIP: Self = Self("zip");
+
+    /// The container of that name, as the settings have it.
+    pub fn named(name: &str) -> Option<Self> {
+        CONTAINERS.iter().find(|n| **n == name).map(|n| Self(n))
+    }
 
     /// Its name in the settings.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Zip => "zip",
-            Self::Svg => "svg",
-            Self::Sl1 => "sl1",
-            Self::Sl1s => "sl1s",
-            Self::Goo => "goo",
-            Self::Ctb => "ctb",
-            Self::EncryptedCtb => "encrypted-ctb",
-            Self::Nanodlp => "nanodlp",
-            Self::Pwmo => "pwmo",
-            Self::Pwms => "pwms",
-            Self::Pwma => "pwma",
-            Self::Pwmx => "pwmx",
-            Self::Pwmb => "pwmb",
-            Self::Pm3 => "pm3",
-            Self::Pm3m => "pm3m",
-            Self::Pm5 => "pm5",
-            Self::Pm5s => "pm5s",
-            Self::M5sp => "m5sp",
-        }
+        self.0
     }
 
     /// The extension of its files, without the dot.
-    pub const fn extension(self) -> &'static str {
-        match self {
-            Self::EncryptedCtb => "ctb",
-            Self::Svg => "svg.zip",
-            other => other.name(),
+    pub fn extension(self) -> &'static str {
+        match self.0 {
+            "encrypted-ctb" => "ctb",
+            "svg" => "svg.zip",
+            name => name,
         }
     }
 
-    /// The format whose files have this extension (any case, no dot): never the encrypted one.
-    pub fn of_extension(extension: &str) -> Option<Self> {
-        let extension = extension.to_ascii_lowercase();
-        Self::ALL.into_iter().find(|f| *f != Self::EncryptedCtb && f.extension() == extension)
-    }
-
-    /// True for the family of Anycubic's binary files.
-    pub fn is_anycubic(self) -> bool {
-        matches!(
-            self,
-            Self::Pwmo
-                | Self::Pwms
-                | Self::Pwma
-                | Self::Pwmx
-                | Self::Pwmb
-                | Self::Pm3
-                | Self::Pm3m
-                | Self::Pm5
-                | Self::Pm5s
-                | Self::M5sp
-        )
+    /// Whether files that the printer reads can be written.
+    pub fn is_written(self) -> bool {
+        !NOT_WRITTEN.contains(&self.0)
     }
 }

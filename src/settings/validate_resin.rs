@@ -3,8 +3,6 @@
 use super::assign::Warning;
 use super::load::SettingsError;
 use super::types::Settings;
-use super::types_resin::ContainerFormat;
-use super::validate::Invalid;
 
 /// Light does not cure deeper than this \[mm\], whatever the resin.
 const MAX_LAYER: f64 = 0.5;
@@ -26,41 +24,22 @@ impl Settings {
         Ok(self.resin_oddities())
     }
 
-    /// The format of an output: that of the file's extension (no dot), or, where it has none, the one
-    /// that the printer reads.
+    /// The extension (no dot) of an output: the one that its name has, or else that of the printer's files.
     ///
     /// # Errors
-    /// [`SettingsError::Invalid`] for an extension of no known format, and for an encrypted file.
-    pub fn container_for(&self, extension: Option<&str>) -> Result<ContainerFormat, SettingsError> {
-        let printers = self.machine.container;
-        let format = match extension {
-            None => printers,
-            Some(e) => ContainerFormat::of_extension(e).ok_or_else(|| {
-                let names: Vec<String> = ContainerFormat::ALL
-                    .iter()
-                    .filter(|f| **f != ContainerFormat::EncryptedCtb)
-                    .map(|f| format!(".{}", f.extension()))
-                    .collect();
-                SettingsError::Invalid(Invalid {
-                    key: "container",
-                    value: super::assign::brief(e),
-                    problem: "no format of layer masks has this extension".to_owned(),
-                    remedy: format!("give a name ending in {}, or a folder", names.join(", ")),
-                })
-            })?,
-        };
-        if printers == ContainerFormat::EncryptedCtb
-            && matches!(format, ContainerFormat::Ctb | ContainerFormat::EncryptedCtb)
-        {
-            let remedy = "give an output ending in .goo or .zip and convert it with the vendor's program or UVtools, \
-                          or set container = ctb if the machine takes plain files";
-            return Err(self.invalid(
-                "container",
-                "the printer takes only encrypted .ctb files, which cannot be written",
-                remedy,
-            ));
+    /// [`SettingsError::Invalid`] where that asks for the printer's own files and they cannot be written.
+    pub fn output_extension<'a>(&self, given: Option<&'a str>) -> Result<&'a str, SettingsError> {
+        let container = self.machine.container;
+        let own = given.is_none_or(|e| e.eq_ignore_ascii_case(container.extension()));
+        if own && !container.is_written() {
+            let remedy = "name an output ending in .goo or .zip and convert it with the vendor's program or UVtools, \
+                          or set container to another kind of files that the machine takes";
+            let kind = if container.extension() == container.name() { "" } else { "encrypted " };
+            let problem =
+                format!("the printer reads {kind}.{} files, which cannot be written", container.extension());
+            return Err(self.invalid("container", problem, remedy));
         }
-        Ok(format)
+        Ok(given.unwrap_or(container.extension()))
     }
 
     fn check_panel(&self) -> Result<(), SettingsError> {
@@ -327,24 +306,23 @@ mod tests {
     }
 
     #[test]
-    fn the_output_decides_the_container_and_none_is_encrypted() {
+    fn an_output_has_the_printers_extension_or_its_own() {
         let s = saturn(&[]);
-        assert_eq!(s.container_for(None).unwrap(), ContainerFormat::Goo);
-        assert_eq!(s.container_for(Some("CTB")).unwrap(), ContainerFormat::Ctb);
-        let error = s.container_for(Some("gcode")).unwrap_err().to_string();
-        assert!(
-            error.starts_with("container = gcode: no format") && error.contains(".goo, .ctb, .nanodlp"),
-            "{error}"
-        );
-        let locked = saturn(&[("container", "encrypted-ctb")]);
-        for extension in [None, Some("ctb")] {
-            let error = locked.container_for(extension).unwrap_err().to_string();
-            assert!(error.starts_with("container = encrypted-ctb: the printer takes only"), "{error}");
-            assert!(error.contains(".goo or .zip") && error.lines().count() == 1, "{error}");
-        }
-        assert_eq!(locked.container_for(Some("goo")).unwrap(), ContainerFormat::Goo);
-        for format in ContainerFormat::ALL.into_iter().filter(|f| *f != ContainerFormat::EncryptedCtb) {
-            assert_eq!(ContainerFormat::of_extension(format.extension()), Some(format));
+        assert_eq!(s.output_extension(None).unwrap(), "goo");
+        assert_eq!(s.output_extension(Some("CTB")).unwrap(), "CTB");
+        for (container, files) in [("encrypted-ctb", "encrypted .ctb files"), ("pm5s", "reads .pm5s files")] {
+            let locked = saturn(&[("container", container)]);
+            let own = locked.machine.container.extension();
+            for extension in [None, Some(own), Some(own.to_ascii_uppercase().as_str())] {
+                let error = locked.output_extension(extension).unwrap_err().to_string();
+                assert!(
+                    error.starts_with(&format!("container = {container}: the printer reads ")),
+                    "{error}"
+                );
+                assert!(error.contains(files) && error.contains(".goo or .zip"), "{error}");
+                assert_eq!(error.lines().count(), 1, "{error}");
+            }
+            assert_eq!(locked.output_extension(Some("goo")).unwrap(), "goo");
         }
     }
 }

@@ -237,8 +237,7 @@ named!(PrinterTechnology: Fff = "FFF", Sla = "SLA");
 
 impl Value for ContainerFormat {
     fn read(text: &str, _: &Kind) -> Result<Self, Problem> {
-        let found = Self::ALL.into_iter().find(|f| f.name() == text);
-        found.ok_or_else(|| "is not a choice here".into())
+        Self::named(text).ok_or_else(|| "is not a choice here".into())
     }
 
     fn write(&self, _: &Kind) -> String {

@@ -9,6 +9,7 @@ mod faults;
 mod inspect;
 mod mask;
 mod output;
+mod printers;
 mod same_bytes;
 mod settings;
 

@@ -36,7 +36,7 @@ pub enum PlaneError {
     /// No plane meets the part.
     #[error(
         "the part reaches from {bottom_mm} to {top_mm} mm above the bed and no layer's middle lies in it \
-         (first_layer_height {first_mm} mm, layer_height {layer_mm} mm); use thinner layers or scale the part up"
+         (first layer {first_mm} mm, layer_height {layer_mm} mm); use thinner layers or scale the part up"
     )]
     Thin {
         /// Lowest point above the bed \[mm\].
