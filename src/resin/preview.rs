@@ -15,34 +15,38 @@ pub fn scaled(preview: &Preview, width: u32, height: u32) -> Preview {
     let (width_px, height_px) = (width as usize, height as usize);
     let mut rgb = BACKGROUND.repeat(width_px * height_px);
     let right_length = source_width.checked_mul(source_height).and_then(|n| n.checked_mul(3));
-    if preview.rgb.is_empty() || right_length != Some(preview.rgb.len()) {
+    // Beyond, sums of columns would need more than 32 bits.
+    let small_enough = source_height < 1 << 24 && height_px < 1 << 24;
+    if preview.rgb.is_empty() || right_length != Some(preview.rgb.len()) || !small_enough {
         return Preview { width, height, rgb };
     }
     let [inner_width, inner_height] = fitted([source_width, source_height], [width_px, height_px]);
     let (left, top) = ((width_px - inner_width) / 2, (height_px - inner_height) / 2);
-    let across = Shares::new(source_width, inner_width);
-    let down = Shares::new(source_height, inner_height);
     // The shares of one output pixel add up to the source's size along each axis.
     let whole = (source_width * source_height) as u64;
 
-    let mut sums = vec![0u64; 3 * inner_width];
+    let mut columns = vec![0u32; 3 * source_width];
     for y in 0..inner_height {
-        sums.fill(0);
-        for (source_y, share_y) in down.of(y) {
-            let row = preview.rgb.get(3 * source_y * source_width..).unwrap_or_default();
-            for (x, sum) in sums.chunks_exact_mut(3).enumerate() {
-                for (source_x, share_x) in across.of(x) {
-                    let pixel = row.get(3 * source_x..3 * source_x + 3).unwrap_or_default();
-                    for (s, c) in sum.iter_mut().zip(pixel) {
-                        *s += share_x * share_y * u64::from(*c);
-                    }
-                }
+        columns.fill(0);
+        for (source_y, share) in shares(y, source_height, inner_height) {
+            let row = preview.rgb.chunks_exact(3 * source_width).nth(source_y).unwrap_or_default();
+            for (sum, colour) in columns.iter_mut().zip(row) {
+                *sum += share * u32::from(*colour);
             }
         }
         let start = 3 * ((top + y) * width_px + left);
-        let target = rgb.get_mut(start..start + sums.len()).unwrap_or_default();
-        for (t, s) in target.iter_mut().zip(&sums) {
-            *t = ((s + whole / 2) / whole) as u8;
+        let target = rgb.get_mut(start..start + 3 * inner_width).unwrap_or_default();
+        for (x, pixel) in target.chunks_exact_mut(3).enumerate() {
+            let mut sums = [0u64; 3];
+            for (source_x, share) in shares(x, source_width, inner_width) {
+                let column = columns.get(3 * source_x..3 * source_x + 3).unwrap_or_default();
+                for (sum, colour) in sums.iter_mut().zip(column) {
+                    *sum += u64::from(share) * u64::from(*colour);
+                }
+            }
+            for (colour, sum) in pixel.iter_mut().zip(sums) {
+                *colour = ((sum + whole / 2) / whole) as u8;
+            }
         }
     }
     Preview { width, height, rgb }
@@ -58,25 +62,12 @@ fn fitted(source: [usize; 2], target: [usize; 2]) -> [usize; 2] {
     }
 }
 
-/// How `to` pixels in a row share those of a row of `from`.
-struct Shares {
-    from: usize,
-    to: usize,
-}
-
-impl Shares {
-    fn new(from: usize, to: usize) -> Self {
-        Self { from, to }
-    }
-
-    /// The source pixels under pixel `i` and their shares, in units of 1/to of a source pixel; they add
-    /// up to `from`.
-    fn of(&self, i: usize) -> impl Iterator<Item = (usize, u64)> + use<> {
-        let (from, to) = (self.from, self.to);
-        let (start, end) = (i * from, (i + 1) * from);
-        (start / to..end.div_ceil(to))
-            .map(move |s| (s, (end.min((s + 1) * to).saturating_sub(start.max(s * to))) as u64))
-    }
+/// Which of `from` source pixels in a row lie under pixel `i` of `to`, and their shares, in units of
+/// 1/to of a source pixel; they add up to `from`.
+fn shares(i: usize, from: usize, to: usize) -> impl Iterator<Item = (usize, u32)> {
+    let (start, end) = (i * from, (i + 1) * from);
+    (start / to..end.div_ceil(to))
+        .map(move |s| (s, end.min((s + 1) * to).saturating_sub(start.max(s * to)) as u32))
 }
 
 /// A byte as a number of `bits` bits, rounded.

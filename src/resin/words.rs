@@ -8,6 +8,15 @@ pub(super) struct Words {
     length: usize,
 }
 
+/// Lengths of runs whose codes are kept in tables: all that fit into a row of most panels.
+pub(super) const SHORT: usize = 1 << 14;
+
+/// A code of at most three bytes: they are the lower ones, first byte lowest; the highest byte counts
+/// them. The code of an empty run is 0.
+pub(super) const fn short(bytes: [u8; 3], count: u8) -> u32 {
+    u32::from_le_bytes([bytes[0], bytes[1], bytes[2], count])
+}
+
 impl Words {
     /// An empty buffer with memory for `capacity` bytes.
     pub(super) fn new(capacity: usize) -> Self {
@@ -25,6 +34,15 @@ impl Words {
         if let Some(room) = self.bytes.get_mut(self.length..self.length + 8) {
             room.copy_from_slice(&word.to_be_bytes());
             self.length += count;
+        }
+    }
+
+    /// Appends the `count` lowest bytes of `word`, the lowest first.
+    #[inline(always)]
+    pub(super) fn put_short(&mut self, word: u32, count: u32) {
+        if let Some(room) = self.bytes.get_mut(self.length..self.length + 4) {
+            room.copy_from_slice(&word.to_le_bytes());
+            self.length += count as usize;
         }
     }
 

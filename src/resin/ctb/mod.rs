@@ -20,7 +20,7 @@ mod write;
 #[cfg(test)]
 mod tests;
 
-pub use encode::quantised;
+pub use encode::{canonical_grey, quantised};
 pub use read::open;
 
 use super::{Container, LayerSink, Print, WriteSeek};

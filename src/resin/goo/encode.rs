@@ -1,13 +1,13 @@
 //! A mask → the image of a `.goo` layer.
 
 use crate::mask::MaskLayer;
-use crate::resin::words::Words;
+use crate::resin::words::{SHORT, Words, short};
 
 /// First byte of an image.
 pub(super) const IMAGE: u8 = 0x55;
 
 /// Longest run of one chunk: 28 bits.
-pub(super) const LONGEST: u32 = (1 << 28) - 1;
+const LONGEST: u32 = (1 << 28) - 1;
 
 /// Runs whose chunks are written without asking for room in between.
 const BLOCK: usize = 512;
@@ -18,26 +18,47 @@ const RUN: usize = 4 + 5;
 /// Room for the at most 32 pieces into which the runs of one mask are split where they are longer.
 const SPARE: usize = 32 * 5;
 
+/// Chunks of black of up to [`SHORT`] pixels; those of white differ in the two highest bits of the
+/// first byte, those of grey in one of them and in having the grey behind it.
+static BLACK: [u32; SHORT] = {
+    let mut table = [0; SHORT];
+    let mut length = 1;
+    while length < SHORT {
+        let [_, _, upper, lower] = (length as u32 >> 4).to_be_bytes();
+        let last = length as u8 & 15;
+        table[length] = match length {
+            1..0x10 => short([last, 0, 0], 1),
+            0x10..0x1000 => short([0x10 | last, lower, 0], 2),
+            _ => short([0x20 | last, upper, lower], 3),
+        };
+        length += 1;
+    }
+    table
+};
+
 /// The image of a layer of `pixels` pixels: 0x55, chunks that cover every pixel, checksum.
 pub fn encode(mask: &MaskLayer, pixels: u32) -> Vec<u8> {
     // Two bytes for most gaps and runs; the buffer grows where that is too little.
     let mut chunks = Chunks(Words::new(mask.runs.len() * 4 + BLOCK * RUN + SPARE));
     chunks.0.make_room(SPARE);
     chunks.0.put(u64::from(IMAGE) << 56, 1);
-    let (mut at, mut before) = (0, 0);
+    let (mut at, mut before) = (0u32, 0);
     for block in mask.runs.chunks(BLOCK) {
         chunks.0.make_room(block.len() * RUN + SPARE);
         for run in block {
-            let start = run.start.min(pixels);
-            let gap = start.saturating_sub(at);
-            chunks.plain(0, gap);
+            // Runs ascend; if they did not, the result would be wrong, and readers would refuse it.
+            let (gap, lit) = (run.start.wrapping_sub(at), run.end.wrapping_sub(run.start));
             if gap > 0 {
                 before = 0;
             }
-            let end = run.end.min(pixels);
-            let lit = end.saturating_sub(start);
-            chunks.lit(run.value, before, lit);
-            (at, before) = (end, run.value);
+            match (BLACK.get(gap as usize), BLACK.get(lit as usize)) {
+                (Some(gap), Some(code)) => {
+                    chunks.0.put_short(*gap, gap >> 24);
+                    chunks.lit_short(run.value, before, lit, *code);
+                }
+                _ => chunks.long(gap, lit, run.value, before),
+            }
+            (at, before) = (run.end, run.value);
         }
     }
     chunks.0.make_room(SPARE);
@@ -57,70 +78,72 @@ pub(super) fn checksum(chunks: &[u8]) -> u8 {
 struct Chunks(Words);
 
 impl Chunks {
-    /// A run of black or white: type, number of length bytes and the four lowest bits of the length,
-    /// then its other bits.
+    /// A lit run of `length` pixels, of which `code` is the chunk if it were black, behind one of grey
+    /// `before`.
     #[inline(always)]
-    fn plain(&mut self, kind: u64, mut length: u32) {
-        if length > LONGEST {
-            length = self.split(kind, length, |chunks, kind, piece| chunks.plain(kind, piece));
-        }
-        let further = further(length);
-        let first = kind << 6 | u64::from(further) << 4 | u64::from(length & 15);
-        let word = first << 56 | u64::from(length >> 4) << (56 - 8 * further);
-        // An empty run leaves nothing.
-        self.0.put(word, if length == 0 { 0 } else { 1 + further as usize });
-    }
-
-    /// A run that is not black, behind one of grey `before`.
-    #[inline(always)]
-    fn lit(&mut self, value: u8, before: u8, length: u32) {
+    fn lit_short(&mut self, value: u8, before: u8, length: u32, code: u32) {
         if value == 255 {
-            self.plain(3, length);
-        } else {
-            self.grey(value, before, length);
+            self.0.put_short(code | 0xC0, code >> 24);
+        } else if !self.difference(value, before, length) {
+            let word = code & 0xFF | 0x40 | u32::from(value) << 8 | (code & 0xFF_FF00) << 8;
+            self.0.put_short(word, (code >> 24) + 1);
         }
     }
 
-    /// A run of grey: as [`Self::plain`] with the grey behind the first byte, or as the difference to
-    /// the grey before, where that is shorter.
+    /// A gap and a lit run, one of which is not in the table.
+    #[inline(never)]
+    fn long(&mut self, gap: u32, lit: u32, value: u8, before: u8) {
+        self.plain(0, gap);
+        if value == 255 {
+            self.plain(3, lit);
+        } else if !self.difference(value, before, lit) {
+            self.grey(value, lit);
+        }
+    }
+
+    /// A run of grey as its difference to the grey before, where that is shorter.
     #[inline(always)]
-    fn grey(&mut self, value: u8, before: u8, mut length: u32) {
-        let mut step = i32::from(value) - i32::from(before);
-        if length > LONGEST {
-            length = self.split(u64::from(value), length, |chunks, value, piece| {
-                chunks.grey(value as u8, 0, piece);
-            });
-            // The pieces changed what is before.
-            step = i32::MAX;
+    fn difference(&mut self, value: u8, before: u8, length: u32) -> bool {
+        let step = i32::from(value) - i32::from(before);
+        // Between 2 and 15 pixels both kinds take two bytes, and all readers know the plain one.
+        if step.unsigned_abs() > 15 || !(length == 1 || (16..=255).contains(&length)) {
+            return false;
         }
-        // Between 2 and 15 pixels both take two bytes, and all readers know the plain one.
-        if step.unsigned_abs() <= 15 && (length == 1 || (16..=255).contains(&length)) {
-            let several = u64::from(length > 1);
-            let first = 0x80 | u64::from(step < 0) << 5 | several << 4 | u64::from(step.unsigned_abs());
-            self.0.put(first << 56 | u64::from(length) << 48, 1 + several as usize);
-            return;
-        }
-        let further = further(length);
-        let first = 0x40 | u64::from(further) << 4 | u64::from(length & 15);
-        let word = first << 56 | u64::from(value) << 48 | u64::from(length >> 4) << (48 - 8 * further);
-        self.0.put(word, if length == 0 { 0 } else { 2 + further as usize });
+        let several = u32::from(length > 1);
+        let first = 0x80 | u32::from(step < 0) << 5 | several << 4 | step.unsigned_abs();
+        self.0.put_short(first | length << 8, 1 + several);
+        true
     }
 
-    /// Writes all pieces but the last of a run that is too long for one chunk, and gives that one's
-    /// length.
-    #[cold]
-    fn split(&mut self, kind: u64, mut length: u32, piece: fn(&mut Self, u64, u32)) -> u32 {
-        while length > LONGEST {
-            piece(self, kind, LONGEST);
-            length -= LONGEST;
+    /// A run of black or white of any length: type, number of length bytes and the four lowest bits of
+    /// the length, then its other bits.
+    fn plain(&mut self, kind: u64, length: u32) {
+        for piece in pieces(length) {
+            let further = further(piece);
+            let first = kind << 6 | further << 4 | u64::from(piece & 15);
+            self.0.put(first << 56 | u64::from(piece >> 4) << (56 - 8 * further), 1 + further as usize);
         }
-        length
+    }
+
+    /// A run of grey of any length: as [`Self::plain`], with the grey behind the first byte.
+    fn grey(&mut self, value: u8, length: u32) {
+        for piece in pieces(length) {
+            let further = further(piece);
+            let first = 0x40 | further << 4 | u64::from(piece & 15);
+            let word = first << 56 | u64::from(value) << 48 | u64::from(piece >> 4) << (48 - 8 * further);
+            self.0.put(word, 2 + further as usize);
+        }
     }
 }
 
+/// Splits a length into such that chunks can hold.
+fn pieces(length: u32) -> impl Iterator<Item = u32> {
+    let rest = length % LONGEST;
+    std::iter::repeat_n(LONGEST, (length / LONGEST) as usize).chain((rest > 0).then_some(rest))
+}
+
 /// Number of length bytes behind the first byte, for lengths up to [`LONGEST`].
-#[inline(always)]
-fn further(length: u32) -> u32 {
+fn further(length: u32) -> u64 {
     // Four bits are in the first byte.
-    (35 - length.leading_zeros()) / 8
+    u64::from((35 - length.leading_zeros()) / 8)
 }
