@@ -4,16 +4,25 @@
 //! be told beside the masks is [`Print`] and, per layer, [`LayerInfo`].
 
 pub mod archive;
+pub mod bytes;
 pub mod container;
+pub mod ctb;
+pub mod date;
 pub mod deflate;
 pub mod error;
+pub mod goo;
 pub mod layer_files;
 pub mod nanodlp;
+mod per_layer;
 pub mod png;
+pub mod preview;
 pub mod print;
 pub mod sl1;
 pub mod stack;
 pub mod svg;
+#[cfg(test)]
+mod testing;
+mod words;
 
 pub use container::{Container, LayerSink, Reader, WriteSeek};
 pub use error::ReadError;
