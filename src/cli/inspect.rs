@@ -229,7 +229,7 @@ impl Findings {
             writeln!(out, "print time: {} h {:02} min", minutes / 60, minutes % 60)?;
         }
         if let Some(volume) = self.volume_ml.filter(|v| *v > 0.0) {
-            writeln!(out, "resin: {volume:.2} ml")?;
+            writeln!(out, "resin: {volume:.3} ml")?;
         }
         if args.head {
             return Ok(());
@@ -249,7 +249,7 @@ impl Findings {
             let (least, most) = (lit.clone().min().unwrap_or(0), lit.clone().max().unwrap_or(0));
             writeln!(out, "lit pixels: {} in all, {least} to {most} a layer", lit.sum::<u64>())?;
             if let Some(volume) = self.mask_volume_ml {
-                writeln!(out, "volume of the masks: {volume:.2} ml")?;
+                writeln!(out, "volume of the masks: {volume:.3} ml")?;
             }
         }
         if let Some(layer) = self.first_miscounted {

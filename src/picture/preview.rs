@@ -18,6 +18,9 @@ const BITS: u32 = 10;
 /// Greatest depth; a pixel keeps it in 24 bits, above 8 of shade.
 const DEEPEST: f64 = ((1 << 24) - 3) as f64;
 
+/// Longest side of a picture \[pixels\].
+pub const LARGEST: u32 = 1 << 14;
+
 /// Share of the picture that the part fills along the tighter direction.
 const FILL: f64 = 0.9;
 
@@ -29,13 +32,14 @@ const COLORS: [[f64; 3]; 4] =
     [[34.0, 30.0, 44.0], [150.0, 78.0, 36.0], [246.0, 152.0, 62.0], [255.0, 240.0, 214.0]];
 
 /// Draws a mesh, z up, scaled to fill the picture but for a margin. Facets that show their inner side are
-/// drawn darker.
+/// drawn darker. Width and height are at most [`LARGEST`].
 pub fn render(mesh: &Mesh, width: u32, height: u32) -> Preview {
     render_all(&[mesh], width, height)
 }
 
 /// Draws several meshes as they stand beside each other.
 pub fn render_all(meshes: &[&Mesh], width: u32, height: u32) -> Preview {
+    let (width, height) = (width.min(LARGEST), height.min(LARGEST));
     let size = [width * SUPERSAMPLING, height * SUPERSAMPLING];
     let mut canvas = Canvas { size, pixels: vec![0; size[0] as usize * size[1] as usize] };
     if let Some(view) = View::fit(meshes, size) {
@@ -48,7 +52,7 @@ pub fn render_all(meshes: &[&Mesh], width: u32, height: u32) -> Preview {
 }
 
 /// A corner in the picture: x to the right and y up \[1/1024 pixel\], z towards the eye \[1/DEEPEST\].
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Corner {
     x: i32,
     y: i32,
@@ -126,8 +130,9 @@ impl Canvas {
             corners.clear();
             corners.extend(mesh.vertices.iter().map(|v| view.project(*v, mesh.origin)));
             for t in &mesh.triangles {
-                let corner = |i: usize| corners.get(t[i] as usize).copied().unwrap_or_default();
-                let p = [corner(0), corner(1), corner(2)];
+                let corner = |i: usize| corners.get(t[i] as usize).copied();
+                let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else { continue };
+                let p = [a, b, c];
                 let area = cross(p[0], p[1], p[2].x, p[2].y);
                 sum = sum.wrapping_add(area);
                 if !inner && area > 0 {

@@ -1,16 +1,19 @@
 //! Anycubic's binary files: `.pwmo`, `.pwms`, `.pwma`, `.pwmx`, `.pwmb`, `.pm3`, `.pm5` and their kin.
 //!
-//! There is no public specification. The facts below agree between the two open programs that read or
-//! write these files, UVtools (file versions 1 and 515 to 518) and PrusaSlicer's Anycubic writer (file
-//! version 1), both as of 2024; where only one of them knows a field, it is marked (U). Everything is
-//! little-endian.
+//! There is no public specification. The facts below agree between three open programs that read or write
+//! these files: uv3dp (2020, file version 1, from files of Anycubic's own slicer), PrusaSlicer's Anycubic
+//! writer (file version 1) and UVtools (file versions 1 and 515 to 518), the latter two as of 2024; where
+//! only UVtools knows a field, it is marked (U). Everything is little-endian.
 //!
 //! - Mark: `ANYCUBIC` in 12 bytes, u32 file version, u32 number of tables (4, 5, 8, 9 for file version
 //!   1, 515, 516, 517), then the u32 addresses of: header, software, preview, grey table, layer table,
 //!   extra, from 516 on machine, layer data, from 517 on model, from 518 on sub-images and a second
 //!   preview. Tables that a version lacks have address 0.
-//! - Tables begin with a name in 12 bytes and a u32 length: that of what follows in `HEADER` and
-//!   `LAYERDEF`, with these 16 bytes in `PREVIEW`, `MACHINE` and `MODEL` (U), always 24 in `EXTRA` (U).
+//! - Tables begin with a name in 12 bytes and a u32 length: that of what follows in `HEADER`, `LAYERDEF` and,
+//!   in file version 1, `PREVIEW`; with these 16 bytes in later `PREVIEW` (U), `MACHINE` (U) and `MODEL`
+//!   (U); always 24 in `EXTRA` (U). Readers do not mind.
+//! - `PREVIEW`: u32 224, four bytes that differ between programs, u32 168, rows of RGB565 from the top
+//!   (PrusaSlicer writes BGR565; the other two agree on RGB).
 //! - `HEADER`, `EXTRA`, `MACHINE`, ...: see the `tables` module. Speeds are mm/s.
 //! - `LAYERDEF`: u32 count, then 32 bytes a layer: u32 address and length of its data; f32 lift \[mm\],
 //!   lift speed, exposure \[s\], thickness of this layer \[mm\]; u32 lit pixels (U); u32 0.

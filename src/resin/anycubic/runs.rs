@@ -40,15 +40,23 @@ pub fn canonical(mask: &MaskLayer) -> MaskLayer {
 /// The runs of a mask, and the trailer.
 pub(super) fn encode(mask: &MaskLayer, width: u32, pixels: u32) -> Vec<u8> {
     let mut out = Vec::with_capacity(4 * mask.runs.len() + 2 * (pixels / LONGEST) as usize + 2 + TRAILER);
-    let (mut grey, mut length) = (0, 0);
-    for (more, value) in mask.lengths(pixels) {
-        let next = level(value);
+    let (mut grey, mut length, mut at) = (0, 0, 0);
+    let mut add = |out: &mut Vec<u8>, next: u8, more: u32| {
         if next != grey {
-            put(&mut out, grey, length);
-            (grey, length) = (next, 0);
+            put(out, grey, length);
+            (grey, length) = (next, more);
+        } else {
+            length += more;
         }
-        length += more;
+    };
+    for r in &mask.runs {
+        if r.start > at {
+            add(&mut out, 0, r.start - at);
+        }
+        add(&mut out, level(r.value), r.end - r.start);
+        at = r.end;
     }
+    add(&mut out, 0, pixels.saturating_sub(at));
     put(&mut out, grey, length);
     for number in trailer(mask, width.max(1)) {
         out.extend_from_slice(&number.to_le_bytes());
@@ -62,6 +70,10 @@ fn put(out: &mut Vec<u8>, grey: u8, length: u32) {
         return;
     }
     if grey == 0 || grey == 15 {
+        if length <= LONGEST {
+            out.extend_from_slice(&[grey << 4 | (length >> 8) as u8, length as u8]);
+            return;
+        }
         const PAIRS: usize = 512;
         // Full runs: 0F FF or FF FF.
         const FULL: [[u8; 2 * PAIRS]; 2] = {
@@ -96,15 +108,27 @@ fn put(out: &mut Vec<u8>, grey: u8, length: u32) {
 /// Lit pixels and their bounds, see [`TRAILER`]; all zero for a black mask.
 fn trailer(mask: &MaskLayer, width: u32) -> [u32; 5] {
     let (mut lit, mut lo, mut hi) = (0, [u32::MAX; 2], [0; 2]);
+    // First pixel of the row that the last run ends in.
+    let mut row = 0;
     for r in mask.runs.iter().filter(|r| level(r.value) > 0) {
         lit += r.end - r.start;
-        let (first, last) = (r.start / width, (r.end - 1) / width);
-        // A run that goes on into the next row touches both borders.
-        let (left, right) =
-            if first == last { (r.start - first * width, r.end - 1 - first * width) } else { (0, width - 1) };
-        lo = [lo[0].min(left), lo[1].min(first)];
-        hi = [hi[0].max(right), hi[1].max(last)];
+        if r.start - row >= width {
+            row = r.start - r.start % width;
+        }
+        let (left, right) = (r.start - row, r.end - 1 - row);
+        if lo[1] == u32::MAX {
+            lo[1] = row / width;
+        }
+        lo[0] = lo[0].min(left);
+        if right < width {
+            hi[0] = hi[0].max(right);
+        } else {
+            // A run that goes on into the next row touches both borders.
+            (lo[0], hi[0]) = (0, width - 1);
+            row += right - right % width;
+        }
     }
+    hi[1] = row / width;
     if lit == 0 { [0; 5] } else { [lit, lo[0], lo[1], hi[0], hi[1]] }
 }
 

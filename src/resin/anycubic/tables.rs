@@ -105,9 +105,10 @@ fn extra_holds(print: &Print) -> bool {
 }
 
 /// `PREVIEW`: width, `x`, height, pixels.
-pub(super) fn preview(print: &Print) -> Vec<u8> {
+pub(super) fn preview(version: u32, print: &Print) -> Vec<u8> {
     let [width, height] = thumbnail::SIZE;
-    let mut out = table("PREVIEW", TABLE_HEAD as u32 + 12 + 2 * width * height);
+    let head = if version == 1 { 0 } else { TABLE_HEAD as u32 };
+    let mut out = table("PREVIEW", head + 12 + 2 * width * height);
     u32s(&mut out, &[width]);
     text(&mut out, "x", 4);
     u32s(&mut out, &[height]);

@@ -52,7 +52,7 @@ impl Container for Anycubic {
             Ok(address)
         };
         at.header = append(&tables::header(version, print, &Totals::default()))?;
-        at.preview = append(&tables::preview(print))?;
+        at.preview = append(&tables::preview(version, print))?;
         if version >= 516 {
             at.greys = append(&tables::greys())?;
         }
