@@ -90,6 +90,45 @@ impl CheckReport {
         f.islands.count == 0 && f.cups.count == 0 && f.trapped.count == 0
     }
 
+    /// What to tell people: a line for each kind that was found, and one on the greatest peel area.
+    pub fn lines(&self) -> Vec<String> {
+        let f = &self.findings;
+        let place = |[x, y]: [f64; 2]| format!("at x {x:.2}, y {y:.2} mm");
+        let mut lines = Vec::new();
+        if let Some(i) = f.islands.listed.first() {
+            lines.push(format!(
+                "{} {}: the largest, {:.3} mm2, in layer {} (z {:.2} mm) {}",
+                f.islands.count,
+                if f.islands.count == 1 { "island" } else { "islands" },
+                i.area_mm2,
+                i.layer,
+                i.z_mm,
+                place(i.centre_mm),
+            ));
+        }
+        let kinds =
+            [(&f.trapped, ["trapped void", "trapped voids"]), (&f.cups, ["suction cup", "suction cups"])];
+        for (list, [one, many]) in kinds {
+            if let Some(v) = list.listed.first() {
+                lines.push(format!(
+                    "{} {}, {:.3} ml: the largest, {:.3} ml, in layers {} to {} (z {:.2} to {:.2} mm) {}",
+                    list.count,
+                    if list.count == 1 { one } else { many },
+                    list.total,
+                    v.volume_ml,
+                    v.first_layer,
+                    v.last_layer,
+                    v.z_mm[0],
+                    v.z_mm[1],
+                    place(v.centre_mm),
+                ));
+            }
+        }
+        let Extreme { layer, area_mm2 } = self.greatest_peel;
+        lines.push(format!("greatest peel area {area_mm2:.1} mm2, layer {layer}"));
+        lines
+    }
+
     /// Up to `most` differing layers worth a picture: in turn those of the greatest trapped voids,
     /// islands and cups, then the one with the greatest overhang.
     pub fn worst_layers(&self, most: usize) -> Vec<WorstLayer> {
@@ -116,5 +155,64 @@ impl CheckReport {
         }
         out.truncate(most);
         out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::mask::check::{CheckLayer, Checker};
+    use crate::mask::{MaskLayer, Panel};
+
+    /// Layers of 0.05 mm on a panel of 40 x 30 pixels of 0.05 mm.
+    fn check(layers: u32, is_solid: impl Fn(u32, u32, u32) -> bool) -> CheckReport {
+        let panel = Panel {
+            width: 40,
+            height: 30,
+            pitch_x: 50_000,
+            pitch_y: 50_000,
+            mirror_x: false,
+            mirror_y: false,
+            portrait: false,
+        };
+        let settings = CheckSettings::default();
+        let mut checker = Checker::new(panel, settings);
+        for z in 0..layers {
+            let mut mask = MaskLayer::default();
+            for at in (0..40 * 30).filter(|at| is_solid(at % 40, at / 40, z)) {
+                mask.push(at, at + 1, 255);
+            }
+            checker.push(&[CheckLayer { mask: Arc::new(mask), z: f64::from(z + 1) * 0.05, height: 0.05 }]);
+        }
+        CheckReport::new(checker.finish(), &settings)
+    }
+
+    #[test]
+    fn the_worst_layers_are_one_of_each_kind_first() {
+        let report = check(9, |x, y, z| {
+            let block = (2..20).contains(&x) && (2..20).contains(&y);
+            let closed = (5..9).contains(&x) && (5..9).contains(&y) && (2..5).contains(&z);
+            let open = (12..15).contains(&x) && (5..8).contains(&y) && z >= 3;
+            let island = x > 31 && y > 21 && z == 4;
+            block && !closed && !open || island
+        });
+        let f = &report.findings;
+        assert_eq!((f.islands.count, f.cups.count, f.trapped.count), (1, 1, 1));
+        assert!(!report.is_clean() && check(3, |x, y, _| x.max(y) < 9).is_clean());
+        let worst: Vec<_> = report.worst_layers(9).iter().map(|w| (w.layer, w.reason)).collect();
+        assert_eq!(worst, [(2, Reason::Trapped), (4, Reason::Island), (3, Reason::Cup)]);
+        assert_eq!(report.worst_layers(2).len(), 2);
+        assert_eq!((report.greatest_area.layer, report.greatest_sealed.layer), (4, 3));
+        let lines = report.lines();
+        assert_eq!(lines.len(), 4);
+        assert_eq!(lines[0], "1 island: the largest, 0.160 mm2, in layer 4 (z 0.25 mm) at x 1.80, y 0.20 mm");
+        assert!(lines[2].starts_with("1 suction cup, 0.000 ml: the largest, 0.000 ml, in layers 3 to 8"));
+        let json = serde_json::to_value(&report).unwrap();
+        assert_eq!(json["islands"]["listed"][0]["layer"], 4);
+        assert_eq!(json["cups"]["listed"][0]["fate"], "top");
+        assert_eq!(json["layers"].as_array().unwrap().len(), 9);
+        assert!(json["trapped"]["listed"][0].get("marks").is_none());
     }
 }
