@@ -130,6 +130,6 @@ fn main() {
 
 fn area(ring: &[Point2]) -> f64 {
     let origin = ring[0];
-    let sum: i128 = ring.windows(2).map(|w| i128::from(microtome::lattice::cross(origin, w[0], w[1]))).sum();
+    let sum: i128 = ring.windows(2).map(|w| i128::from(lattice::cross(origin, w[0], w[1]))).sum();
     sum as f64 / 2.0 * 1e-12
 }

@@ -101,6 +101,7 @@ impl CliError {
                 | JobError::LayerRange { .. }
                 | JobError::Unfit { .. }
                 | JobError::NoWriter(_)
+                | JobError::NoFormat { .. }
                 | JobError::Template(_)
                 | JobError::PlaneList(_)
                 | JobError::PlaneFile { .. }

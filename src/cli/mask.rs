@@ -125,23 +125,30 @@ pub fn run(args: &MaskArgs) -> Result<(), CliError> {
 
 /// Where the masks go and in which format.
 fn output(args: &MaskArgs, settings: &Settings) -> Result<(Format, PathBuf), JobError> {
+    let container = settings.machine.container;
     let path = match &args.output {
         Some(path) => path.clone(),
-        None => {
+        None if container.is_written() => {
             let first = args.models.first().cloned().unwrap_or_default();
-            first.with_extension(settings.container_for(None)?.extension())
+            first.with_extension(container.extension())
         }
+        None => return Err(JobError::NoWriter(container.name())),
     };
     if Format::is_folder(&path) {
         return Ok((Format::PngFolder, path));
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let extension = match name.ends_with(".svg.zip") {
-        true => Some("svg.zip".to_owned()),
-        false => path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()),
+        true => "svg.zip",
+        false => name.rsplit('.').next().unwrap_or_default(),
     };
-    let container = settings.container_for(extension.as_deref())?;
-    Ok((Format::of_container(container), path))
+    match Format::of_extension(extension) {
+        Some(Format::Ctb) if !container.is_written() && container.extension() == "ctb" => {
+            Err(JobError::NoWriter(container.name()))
+        }
+        Some(format) => Ok((format, path)),
+        None => Err(JobError::NoFormat { path }),
+    }
 }
 
 fn write_report(path: &Path, check: &impl serde::Serialize) -> Result<(), JobError> {

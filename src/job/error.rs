@@ -6,6 +6,7 @@ use crate::export::png::PictureError;
 use crate::gcode::template::TemplateError;
 use crate::mask::raster::RasterError;
 use crate::mesh::{MeshError, PlaceError};
+use crate::resin::Format;
 use crate::settings::SettingsError;
 use crate::slice::direction::DirectionError;
 use crate::slice::planes::PlaneError;
@@ -70,8 +71,16 @@ pub enum JobError {
         problem: String,
     },
     /// A format that is only read.
-    #[error("{0} files can be read but not written; choose another format with -o")]
+    #[error(
+        "{0} files, which the printer takes, cannot be written; give an output that ends in .goo or .zip with -o and convert it with the vendor's program, or in .ctb with --container ctb if the machine takes plain files"
+    )]
     NoWriter(&'static str),
+    /// An output whose name says nothing about its format.
+    #[error("{}: no format of layer masks has this extension; give a name that ends in {} with -o, or a folder", path.display(), extensions())]
+    NoFormat {
+        /// The output.
+        path: PathBuf,
+    },
     /// The model gives no layers, or too many.
     #[error("{model}: {error}")]
     Planes {
@@ -140,6 +149,13 @@ pub enum JobError {
     /// The output cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+}
+
+/// The extensions of all formats of masks, as part of a sentence.
+fn extensions() -> String {
+    let all: Vec<String> =
+        Format::ALL.iter().flat_map(|f| f.extensions()).map(|extension| format!(".{extension}")).collect();
+    all.join(", ")
 }
 
 /// Why writing failed: an error of the stream still without a file's name, or any other.

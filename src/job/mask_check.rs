@@ -90,46 +90,51 @@ impl CheckReport {
         f.islands.count == 0 && f.cups.count == 0 && f.trapped.count == 0
     }
 
-    /// What was found, in a line.
-    pub fn line(&self) -> String {
-        let f = &self.findings;
-        if self.is_clean() {
-            return "checked: no islands, no suction cups, no trapped resin".to_owned();
-        }
-        format!(
-            "checked: {} islands ({:.2} mm2), {} suction cups ({:.2} ml), {} trapped voids ({:.2} ml)",
-            f.islands.count, f.islands.total, f.cups.count, f.cups.total, f.trapped.count, f.trapped.total
-        )
-    }
-
-    /// What a user must know, one line each, with the worst place of each kind.
+    /// What a user must know: a line for each kind that was found, with the worst place and the remedy.
     pub fn warnings(&self) -> Vec<String> {
         let f = &self.findings;
-        let at = |z: f64, [x, y]: [f64; 2]| format!("at x {x:.2}, y {y:.2}, z {z:.3} mm");
-        let mut said = Vec::new();
-        if let Some(worst) = f.islands.listed.first() {
-            said.push(format!(
-                "{} islands have nothing beneath them, the largest {:.3} mm2 on layer {} {}; add supports or turn the part",
-                f.islands.count, worst.area_mm2, worst.layer, at(worst.z_mm, worst.centre_mm)
+        let place = |[x, y]: [f64; 2]| format!("at x {x:.2}, y {y:.2} mm");
+        let mut lines = Vec::new();
+        if let Some(i) = f.islands.listed.first() {
+            lines.push(format!(
+                "{} {}: the largest, {:.3} mm2, in layer {} (z {:.2} mm) {}; add supports or turn the part",
+                f.islands.count,
+                if f.islands.count == 1 { "island" } else { "islands" },
+                i.area_mm2,
+                i.layer,
+                i.z_mm,
+                place(i.centre_mm),
             ));
         }
-        if let Some(worst) = f.trapped.listed.first() {
-            said.push(format!(
-                "{} voids trap resin, the largest {:.3} ml from layer {} to {} {}; add drain holes",
-                f.trapped.count,
-                worst.volume_ml,
-                worst.first_layer,
-                worst.last_layer,
-                at(worst.z_mm[0], worst.centre_mm)
-            ));
+        let kinds = [
+            (&f.trapped, ["trapped void", "trapped voids"], "add drain holes"),
+            (&f.cups, ["suction cup", "suction cups"], "add vents or turn the part"),
+        ];
+        for (list, [one, many], remedy) in kinds {
+            if let Some(v) = list.listed.first() {
+                lines.push(format!(
+                    "{} {}, {:.3} ml: the largest, {:.3} ml, in layers {} to {} (z {:.2} to {:.2} mm) {}; {remedy}",
+                    list.count,
+                    if list.count == 1 { one } else { many },
+                    list.total,
+                    v.volume_ml,
+                    v.first_layer,
+                    v.last_layer,
+                    v.z_mm[0],
+                    v.z_mm[1],
+                    place(v.centre_mm),
+                ));
+            }
         }
-        if let Some(worst) = f.cups.listed.first() {
-            said.push(format!(
-                "{} hollows seal against the film and pull like a suction cup, the largest {:.3} ml from layer {} to {} {}; add vents or turn the part",
-                f.cups.count, worst.volume_ml, worst.first_layer, worst.last_layer, at(worst.z_mm[0], worst.centre_mm)
-            ));
-        }
-        said
+        lines
+    }
+
+    /// Whether anything was found, and the greatest peel area, in a line.
+    pub fn line(&self) -> String {
+        let Extreme { layer, area_mm2 } = self.greatest_peel;
+        let found =
+            if self.is_clean() { "no islands, suction cups or trapped resin" } else { "see the warnings" };
+        format!("checked: {found}; greatest peel area {area_mm2:.1} mm2, layer {layer}")
     }
 
     /// Up to `most` differing layers worth a picture: in turn those of the greatest trapped voids,
@@ -158,5 +163,67 @@ impl CheckReport {
         }
         out.truncate(most);
         out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::mask::check::{CheckLayer, Checker};
+    use crate::mask::{MaskLayer, Panel};
+
+    /// Layers of 0.05 mm on a panel of 40 x 30 pixels of 0.05 mm.
+    fn check(layers: u32, is_solid: impl Fn(u32, u32, u32) -> bool) -> CheckReport {
+        let panel = Panel {
+            width: 40,
+            height: 30,
+            pitch_x: 50_000,
+            pitch_y: 50_000,
+            mirror_x: false,
+            mirror_y: false,
+            portrait: false,
+        };
+        let settings = CheckSettings::default();
+        let mut checker = Checker::new(panel, settings);
+        for z in 0..layers {
+            let mut mask = MaskLayer::default();
+            for at in (0..40 * 30).filter(|at| is_solid(at % 40, at / 40, z)) {
+                mask.push(at, at + 1, 255);
+            }
+            checker.push(&[CheckLayer { mask: Arc::new(mask), z: f64::from(z + 1) * 0.05, height: 0.05 }]);
+        }
+        CheckReport::new(checker.finish(), &settings)
+    }
+
+    #[test]
+    fn the_worst_layers_are_one_of_each_kind_first() {
+        let report = check(9, |x, y, z| {
+            let block = (2..20).contains(&x) && (2..20).contains(&y);
+            let closed = (5..9).contains(&x) && (5..9).contains(&y) && (2..5).contains(&z);
+            let open = (12..15).contains(&x) && (5..8).contains(&y) && z >= 3;
+            let island = x > 31 && y > 21 && z == 4;
+            block && !closed && !open || island
+        });
+        let f = &report.findings;
+        assert_eq!((f.islands.count, f.cups.count, f.trapped.count), (1, 1, 1));
+        assert!(!report.is_clean() && check(3, |x, y, _| x.max(y) < 9).is_clean());
+        let worst: Vec<_> = report.worst_layers(9).iter().map(|w| (w.layer, w.reason)).collect();
+        assert_eq!(worst, [(2, Reason::Trapped), (4, Reason::Island), (3, Reason::Cup)]);
+        assert_eq!(report.worst_layers(2).len(), 2);
+        assert_eq!((report.greatest_area.layer, report.greatest_sealed.layer), (4, 3));
+        let lines = report.warnings();
+        assert_eq!(lines.len(), 3);
+        assert_eq!(
+            lines[0],
+            "1 island: the largest, 0.160 mm2, in layer 4 (z 0.25 mm) at x 1.80, y 0.20 mm; add supports or turn the part"
+        );
+        assert!(lines[2].starts_with("1 suction cup, 0.000 ml: the largest, 0.000 ml, in layers 3 to 8"));
+        let json = serde_json::to_value(&report).unwrap();
+        assert_eq!(json["islands"]["listed"][0]["layer"], 4);
+        assert_eq!(json["cups"]["listed"][0]["fate"], "top");
+        assert_eq!(json["layers"].as_array().unwrap().len(), 9);
+        assert!(json["trapped"]["listed"][0].get("marks").is_none());
     }
 }

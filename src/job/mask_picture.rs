@@ -128,3 +128,99 @@ impl<'a> Canvas<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::mask::check::{CheckLayer, Checker};
+    use std::sync::Arc;
+
+    /// A layer on which everything can be seen, and the one below.
+    fn layers(panel: &Panel) -> [MaskLayer; 2] {
+        let is_solid = |x: u32, y: u32, z: u32| {
+            let block = (10..60).contains(&x) && (10..30).contains(&y) && (z == 1 || x < 40);
+            let cup = (15..20).contains(&x) && (15..20).contains(&y) && z == 1;
+            let island = z == 1 && [x, y] == [70, 12];
+            block && !cup || island
+        };
+        [0, 1].map(|z| {
+            let mut mask = MaskLayer::default();
+            for at in (0..panel.pixels()).filter(|at| is_solid(at % panel.width, at / panel.width, z)) {
+                mask.push(at, at + 1, 255);
+            }
+            mask
+        })
+    }
+
+    fn picture(panel: Panel) -> RgbImage {
+        let settings = CheckSettings { reach_mm: 0.0, ..Default::default() };
+        let [below, mask] = layers(&panel).map(Arc::new);
+        let mut checker = Checker::new(panel, settings);
+        let layer = |mask: &Arc<MaskLayer>, z: f64| CheckLayer { mask: mask.clone(), z, height: 0.1 };
+        checker.push(&[layer(&below, 0.1), layer(&mask, 0.2)]);
+        let found = checker.finish();
+        let marks = &found.cups.listed[0].marks;
+        draw(&mask, Some(&below), &panel, &settings, marks, &found.fates)
+    }
+
+    #[test]
+    fn findings_are_seen_where_they_lie() {
+        let (pitch_x, pitch_y) = (50_000, 50_000);
+        let plain = Panel {
+            width: 80,
+            height: 40,
+            pitch_x,
+            pitch_y,
+            mirror_x: false,
+            mirror_y: false,
+            portrait: false,
+        };
+        let image = picture(plain);
+        // From pixel (10, 10) to (71, 30), one to one.
+        assert_eq!(image.dimensions(), (61 + 2 * MARGIN, 20 + 2 * MARGIN));
+        let at = |image: &RgbImage, x: u32, y: u32| *image.get_pixel(x - 10 + MARGIN, y - 10 + MARGIN);
+        assert_eq!(at(&image, 12, 12), LIT);
+        assert_eq!(at(&image, 50, 12), OVERHANG);
+        assert_eq!(at(&image, 17, 17), CUP);
+        assert_eq!(at(&image, 65, 20), BACKGROUND);
+        let count = |image: &RgbImage, color| image.pixels().filter(|p| **p == color).count();
+        assert_eq!(count(&image, OVERHANG), 20 * 20);
+        // The island is a single pixel, drawn larger.
+        assert!(at(&image, 70, 12) == ISLAND && count(&image, ISLAND) >= 16);
+        // Mirrors are undone, portrait exchanges the axes of the plate.
+        let mirrored = picture(Panel { mirror_x: true, ..plain });
+        assert_eq!(mirrored, image::imageops::flip_horizontal(&image));
+        let mirrored = picture(Panel { mirror_y: true, ..plain });
+        assert_eq!(mirrored, image::imageops::flip_vertical(&image));
+        let portrait = picture(Panel { portrait: true, ..plain });
+        assert_eq!(portrait.dimensions(), (image.height(), image.width()));
+        assert_eq!(count(&portrait, CUP), count(&image, CUP));
+    }
+
+    #[test]
+    fn large_layers_are_scaled_down_and_empty_ones_drawn_too() {
+        let panel = Panel {
+            width: 11_520,
+            height: 5_120,
+            pitch_x: 19_000,
+            pitch_y: 24_000,
+            mirror_x: true,
+            mirror_y: false,
+            portrait: false,
+        };
+        let mut mask = MaskLayer::default();
+        (1000..3000).for_each(|y| mask.push(y * 11_520 + 100, y * 11_520 + 11_100, 255));
+        let settings = CheckSettings::default();
+        let image = draw(&mask, None, &panel, &settings, &Marks::default(), &Fates::default());
+        assert_eq!(image.width(), SIDE);
+        let lit = image.pixels().filter(|p| **p == LIT).count() as f64;
+        let pixel = 11_000.0 * 0.019 / f64::from(SIDE - 2 * MARGIN);
+        let expected = 11_000.0 * 0.019 * 2000.0 * 0.024 / pixel / pixel;
+        assert!((lit / expected - 1.0).abs() < 0.01, "{lit} for {expected}");
+        let empty =
+            draw(&MaskLayer::default(), None, &panel, &settings, &Marks::default(), &Fates::default());
+        assert!(empty.pixels().all(|p| *p == BACKGROUND));
+    }
+}

@@ -1,7 +1,6 @@
 //! The containers known here: their names, extensions, and how files are told apart.
 
 use super::{Container, ReadError, Reader, anycubic, ctb, goo, layer_files, nanodlp, sl1, stack, svg};
-use crate::settings::ContainerFormat;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
@@ -68,17 +67,9 @@ impl Format {
         }
     }
 
-    /// The format of a printer's files.
-    pub fn of_container(container: ContainerFormat) -> Self {
-        match container {
-            ContainerFormat::Zip => Self::PngZip,
-            ContainerFormat::Svg => Self::Svg,
-            ContainerFormat::Sl1 | ContainerFormat::Sl1s => Self::Sl1,
-            ContainerFormat::Goo => Self::Goo,
-            ContainerFormat::Ctb | ContainerFormat::EncryptedCtb => Self::Ctb,
-            ContainerFormat::Nanodlp => Self::NanoDlp,
-            _ => Self::Anycubic,
-        }
+    /// The format whose files have this extension (lower case, no dot).
+    pub fn of_extension(extension: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|f| f.extensions().contains(&extension))
     }
 
     /// Whether an output is a folder: it ends in a slash, has no extension, or is one already.
@@ -86,7 +77,7 @@ impl Format {
         path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/") || path.extension().is_none()
     }
 
-    /// The writer of the format for an output's name. `version` is `container_version` of the settings, 0
+    /// The writer of the format for an output's name. `version` is `ctb_version` of the settings, 0
     /// for the writer's own choice. `None` where the format can only be read.
     pub fn container(self, path: &Path, version: u32) -> Option<Box<dyn Container>> {
         Some(match self {
@@ -197,6 +188,7 @@ fn extension(path: &Path) -> String {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::settings::printers;
     use std::path::PathBuf;
 
     #[test]
@@ -224,12 +216,14 @@ mod tests {
         all.sort_unstable();
         all.dedup();
         assert_eq!(all.len(), count);
-        for container in ContainerFormat::ALL {
-            let format = Format::of_container(container);
-            assert!(format.extensions().contains(&container.extension()), "{container:?}");
+        for preset in printers::all() {
+            let container = preset.settings().unwrap().machine.container;
             let path = PathBuf::from(format!("a.{}", container.extension()));
-            assert!(format.container(&path, 0).is_some(), "{container:?}");
+            let format = Format::of_extension(container.extension()).unwrap();
+            let writes = format.container(&path, 0).is_some() && container.name() != "encrypted-ctb";
+            assert_eq!(writes, container.is_written(), "{container:?}");
         }
+        assert_eq!(Format::of_extension("stl"), None);
         assert!(Format::is_folder(Path::new("a/b/")) && Format::is_folder(Path::new("a/b")));
         assert!(!Format::is_folder(Path::new("a/b.goo")));
     }
