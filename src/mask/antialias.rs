@@ -68,8 +68,6 @@ impl Greys {
     }
 }
 
-const NO_WORDS: [usize; 2] = [usize::MAX, 0];
-
 /// The coverage of a row of pixels.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Coverage {
@@ -77,14 +75,15 @@ pub(super) struct Coverage {
     sums: Vec<[i32; 2]>,
     /// A bit per pixel in which an end lies.
     noted: Vec<u64>,
-    /// The bits set lie in words from one to behind another.
-    words: [usize; 2],
+    /// A bit per word of `noted` that is not zero: rows are long and ends are few.
+    words: Vec<u64>,
 }
 
 impl Coverage {
     pub(super) fn new(width: u32) -> Self {
         let pixels = width as usize + 1;
-        Self { sums: vec![[0; 2]; pixels], noted: vec![0; pixels.div_ceil(64)], words: NO_WORDS }
+        let words = pixels.div_ceil(64);
+        Self { sums: vec![[0; 2]; pixels], noted: vec![0; words], words: vec![0; words.div_ceil(64)] }
     }
 
     /// An end of a span on one of the sub-rows, in a pixel, with this much of the pixel behind it;
@@ -92,36 +91,48 @@ impl Coverage {
     #[inline]
     pub(super) fn note(&mut self, pixel: u32, behind: i32, pitch: i32, sign: i32) {
         let (pixel, word) = (pixel as usize, pixel as usize / 64);
-        let (Some(sum), Some(noted)) = (self.sums.get_mut(pixel), self.noted.get_mut(word)) else { return };
+        let (Some(sum), Some(noted), Some(words)) =
+            (self.sums.get_mut(pixel), self.noted.get_mut(word), self.words.get_mut(word / 64))
+        else {
+            return;
+        };
         sum[0] += sign * behind;
         sum[1] += sign * pitch;
         *noted |= 1 << (pixel % 64);
-        self.words = [self.words[0].min(word), self.words[1].max(word + 1)];
+        *words |= 1 << (word % 64);
     }
 
     /// Draws the row, whose first pixel is number `first`, and begins the next.
     pub(super) fn draw(&mut self, first: u32, greys: &Greys, mask: &mut MaskLayer) {
+        let Self { sums, noted, words } = self;
         let (mut at, mut covered, mut grey) = (0u32, 0i32, 0u8);
-        let [from, to] = std::mem::replace(&mut self.words, NO_WORDS);
-        for word in from..to {
-            let Some(noted) = self.noted.get_mut(word) else { continue };
-            let mut bits = std::mem::take(noted);
-            while bits != 0 {
-                let pixel = word as u32 * 64 + bits.trailing_zeros();
-                bits &= bits - 1;
-                let Some(sum) = self.sums.get_mut(pixel as usize) else { continue };
-                let [own, behind] = std::mem::take(sum);
-                mask.push(first + at, first + pixel, grey);
-                // The last entry is the edge of the panel, no pixel.
-                if own + covered != 0 {
-                    mask.push(first + pixel, first + pixel + 1, greys.of(covered + own));
+        for (i, word) in words.iter_mut().enumerate() {
+            for word in bits(std::mem::take(word)).map(|bit| 64 * i + bit as usize) {
+                let Some(noted) = noted.get_mut(word) else { continue };
+                for pixel in bits(std::mem::take(noted)).map(|bit| 64 * word as u32 + bit) {
+                    let Some(sum) = sums.get_mut(pixel as usize) else { continue };
+                    let [own, behind] = std::mem::take(sum);
+                    mask.push(first + at, first + pixel, grey);
+                    // The last entry is the edge of the panel, no pixel.
+                    if own + covered != 0 {
+                        mask.push(first + pixel, first + pixel + 1, greys.of(covered + own));
+                    }
+                    covered += behind;
+                    grey = if covered == 0 { 0 } else { greys.of(covered) };
+                    at = pixel + 1;
                 }
-                covered += behind;
-                grey = if covered == 0 { 0 } else { greys.of(covered) };
-                at = pixel + 1;
             }
         }
     }
+}
+
+/// The places of the bits that are set, ascending.
+fn bits(mut word: u64) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(move || {
+        let bit = (word != 0).then(|| word.trailing_zeros())?;
+        word &= word - 1;
+        Some(bit)
+    })
 }
 
 #[cfg(test)]
