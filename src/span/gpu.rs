@@ -105,7 +105,9 @@ impl GpuSpans {
                 let begun = flight.begin(&self.device, &work, &mut density, &mut self.times);
                 match begun {
                     Err(GpuError::TooLarge { .. } | GpuError::Budget { .. }) if end - from > 1 => {
-                        end = from + (end - from) / 2;
+                        // By what has been found, and at least by half.
+                        let again = self.plan(from, planes.len(), per_plane, window, share, density);
+                        end = again.min(from + (end - from) / 2);
                     }
                     other => break other,
                 }
@@ -150,10 +152,11 @@ impl GpuSpans {
         for k in from..planes {
             segments += per_plane.get(k).copied().unwrap_or(0);
             rows += u64::from(window.rows());
+            let crossings = segments.saturating_mul(density);
             let fits = 8 * segments <= binding
                 && 4 * (rows + 2) <= binding
-                && 4 * segments.saturating_mul(density) <= binding
-                && flight::bytes(segments, rows, segments.saturating_mul(density)) <= share;
+                && crossings <= binding / 4
+                && flight::bytes(segments, rows, crossings) <= share;
             if !fits {
                 return k.max(from + 1);
             }

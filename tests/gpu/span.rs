@@ -386,16 +386,20 @@ fn open(bench: &Bench) -> Result<(), Failed> {
     let links = Adjacency::build(&mesh);
     let resident = GpuSlicer::new(Arc::clone(&device))?.upload(&mesh, &links)?;
     let per_plane = chunk::segments_per_plane(&mesh, &heights);
-    let (mut closed, mut open) = (0, 0);
-    spans.scan(&resident, &heights, &per_plane, &window, |run, rows| -> Result<(), Failed> {
-        for (k, rows) in run.zip(rows) {
-            let segments = cpu::slice(&mesh, &links, &heights[k..=k]);
-            ensure(rows.is_none() == segments.next.contains(&OPEN), format!("plane {k}"))?;
-            *(if rows.is_none() { &mut open } else { &mut closed }) += 1;
-        }
+    let mut all = Vec::new();
+    spans.scan(&resident, &heights, &per_plane, &window, |_, rows| -> Result<(), Failed> {
+        all.extend(rows);
         Ok(())
     })?;
-    ensure(open > 3 && closed > 3, format!("{open} open, {closed} closed"))
+    let segments = cpu::slice(&mesh, &links, &heights);
+    let expected = twin::scan(&window, heights.len() as u32, &segments).unwrap_or_default();
+    same("planes", &all, &expected)?;
+    for (k, rows) in all.iter().enumerate() {
+        let segments = cpu::slice(&mesh, &links, &heights[k..=k]);
+        ensure(rows.is_none() == segments.next.contains(&OPEN), format!("plane {k}"))?;
+    }
+    let open = all.iter().filter(|rows| rows.is_none()).count();
+    ensure(open > 3 && all.len() - open > 3, format!("{open} open of {}", all.len()))
 }
 
 fn nothing(bench: &Bench) -> Result<(), Failed> {

@@ -5,12 +5,12 @@ use crate::meshes::planes;
 use crate::span::{check, sub_rows, window};
 use crate::{Bench, Test};
 use libtest_mimic::Failed;
-use microtome::gpu::{GpuError, Options};
+use microtome::gpu::{Fault, FaultKind, GpuError, Options};
 use microtome::mesh::{Adjacency, shapes};
-use microtome::slice::chunk;
 use microtome::slice::gpu::GpuSlicer;
-use microtome::span::RowWindow;
+use microtome::slice::{chunk, cpu};
 use microtome::span::gpu::GpuSpans;
+use microtome::span::{RowWindow, twin};
 use std::sync::Arc;
 
 pub const TESTS: &[Test] = &[
@@ -20,6 +20,7 @@ pub const TESTS: &[Test] = &[
     ("span_runs_are_cut_by_the_budget", budget),
     ("a_plane_whose_spans_are_too_large_is_refused", single),
     ("spans_on_far_diagonals_are_refused", diagonals),
+    ("a_fault_in_any_run_of_spans_is_an_error", faults),
     ("every_span_kernel_is_timed", times),
 ];
 
@@ -140,6 +141,45 @@ fn diagonals(bench: &Bench) -> Result<(), Failed> {
     ensure(planes == 1, format!("{planes} planes before"))?;
     let axis = RowWindow::new([0, 1], 0, -700_000_000, 100_000, &[0], 4_000)?;
     check(&device, &mut spans, ("far box", &mesh), &heights, (90.0, &axis)).map(drop)
+}
+
+/// A run is two submissions, one that counts and one that makes spans. What was handed over before the
+/// fault is right.
+fn faults(bench: &Bench) -> Result<(), Failed> {
+    let mesh = shapes::torus(30.0, 11.0, 24, 24);
+    let (heights, window) = (planes(&mesh, 40), window(&mesh, [1, 0], 300_000, 2)?);
+    let links = Adjacency::build(&mesh);
+    let per_plane = chunk::segments_per_plane(&mesh, &heights);
+    let segments = cpu::slice(&mesh, &links, &heights);
+    let expected = twin::scan(&window, heights.len() as u32, &segments).unwrap_or_default();
+    let mut before = Vec::new();
+    for submission in [0, 1, 2, 5, u32::MAX] {
+        for kind in [FaultKind::Timeout, FaultKind::Lost, FaultKind::OutOfMemory, FaultKind::Validation] {
+            let fault = Some(Fault { submission, kind });
+            let device = bench.open(Options { fault, ..Options::default() })?;
+            let resident = GpuSlicer::new(Arc::clone(&device))?.upload(&mesh, &links)?;
+            let mut spans = GpuSpans::new(device)?.with_budget(400_000);
+            let mut all = Vec::new();
+            let result = spans.scan(&resident, &heights, &per_plane, &window, |_, rows| {
+                all.extend(rows);
+                Ok::<(), GpuError>(())
+            });
+            let what = format!("{kind:?} in submission {submission}: {result:?}");
+            let played = match (kind, result) {
+                (FaultKind::Timeout, Err(GpuError::Timeout { .. }))
+                | (FaultKind::Lost, Err(GpuError::Lost(_)))
+                | (FaultKind::OutOfMemory, Err(GpuError::OutOfMemory(_)))
+                | (FaultKind::Validation, Err(GpuError::Validation(_))) => true,
+                (_, result) => submission == u32::MAX && result.is_ok(),
+            };
+            ensure(played, what.clone())?;
+            ensure(expected.starts_with(&all), format!("{what}: other planes"))?;
+            before.push(all.len());
+        }
+    }
+    before.sort_unstable();
+    before.dedup();
+    ensure(before.len() > 2 && before.last() == Some(&heights.len()), format!("{before:?} planes before"))
 }
 
 fn times(bench: &Bench) -> Result<(), Failed> {

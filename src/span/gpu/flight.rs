@@ -10,15 +10,18 @@ use crate::span::window::REACH;
 use crate::span::{RowWindow, Rows, Span};
 use rayon::prelude::*;
 
-/// Memory of a run \[bytes\], on the device and where the host reads it.
+/// Memory of a run \[bytes\], on the device and at the host.
 pub(super) const fn bytes(segments: u64, rows: u64, crossings: u64) -> u64 {
-    // Count, bucket and offset; steps, counts, offsets and these once more; keys, spans and these once
-    // more.
+    // Count, bucket and offset.
     let per_segment = ResidentSegments::BYTES_PER_SEGMENT + 12;
+    // Steps, counts, offsets; the last once more where the host reads them, as it does, and in its rows.
+    let per_row = 12 + 12;
+    // Keys and, half as many and twice as long, spans; these in the same three places.
+    let per_crossing = 8 + 12;
     segments
         .saturating_mul(per_segment)
-        .saturating_add(rows.saturating_mul(16))
-        .saturating_add(crossings.saturating_mul(12))
+        .saturating_add(rows.saturating_mul(per_row))
+        .saturating_add(crossings.saturating_mul(per_crossing))
 }
 
 /// What a run is made from.
@@ -53,13 +56,18 @@ pub(super) struct Flight {
 
 /// A run whose spans are being computed or are on their way back.
 pub(super) struct Pending {
-    submission: Submission,
-    offset: Readback<u32>,
-    spans: Readback<[i32; 2]>,
+    sent: Sent,
     /// Per plane its open segments.
     open: Vec<u32>,
     first: i32,
     rows: usize,
+}
+
+/// Spans on their way back, and per row those before it.
+struct Sent {
+    submission: Submission,
+    offset: Readback<u32>,
+    spans: Readback<[i32; 2]>,
 }
 
 impl Flight {
@@ -118,10 +126,10 @@ impl Flight {
             return Err(GpuError::TooLarge { what: "the rows", unit: "crossings", needs: crossings, limit });
         }
         let sizes = SpanSizes { crossings: crossings as u32, ..sizes };
-        let (submission, offset, spans) = self.make(device, &sizes, times.is_some())?;
+        let sent = self.make(device, &sizes, times.is_some())?;
         let open = totals.get(4..).unwrap_or_default().to_vec();
         let (first, rows) = (work.window.first(), work.window.rows() as usize);
-        Ok(Pending { submission, offset, spans, open, first, rows })
+        Ok(Pending { sent, open, first, rows })
     }
 
     /// Makes room for everything but the crossings.
@@ -193,12 +201,7 @@ impl Flight {
     }
 
     /// Crossings into their buckets, spans of them, and the spans on their way back.
-    fn make(
-        &mut self,
-        device: &Device,
-        sizes: &SpanSizes,
-        timed: bool,
-    ) -> Result<(Submission, Readback<u32>, Readback<[i32; 2]>), GpuError> {
+    fn make(&mut self, device: &Device, sizes: &SpanSizes, timed: bool) -> Result<Sent, GpuError> {
         let crossings = sizes.crossings as usize;
         let rows = self.steps.len() - 1;
         self.keys.resize(device, crossings)?;
@@ -230,7 +233,7 @@ impl Flight {
         // All spans at once rather than a round trip for their number: without overlaps it is exact.
         let offset = recording.read_back_part(&self.row_count, 0..rows + 1)?;
         let spans = recording.read_back(&self.spans)?;
-        Ok((recording.submit()?, offset, spans))
+        Ok(Sent { submission: recording.submit()?, offset, spans })
     }
 }
 
@@ -241,7 +244,8 @@ impl Pending {
         device: &Device,
         times: &mut Option<Vec<KernelTime>>,
     ) -> Result<Vec<Option<Rows>>, GpuError> {
-        let Self { mut submission, offset, spans, open, first, rows } = self;
+        let Self { sent, open, first, rows } = self;
+        let Sent { mut submission, offset, spans } = sent;
         let offset = offset.take(device, &submission)?;
         let spans = spans.take(device, &submission)?;
         if let Some(times) = times {
