@@ -35,6 +35,10 @@ pub struct Schedule {
     tilt: Option<Tilt>,
 }
 
+/// Time that the plate of a machine with a tilting vat takes to move \[s/mm\]: PrusaSlicer's figure, as
+/// the print times that version 2.5.0 writes show.
+const PLATE_S_PER_MM: f64 = 5.0;
+
 /// A vat that tilts: faster behind small layers. Times \[s\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Tilt {
@@ -104,15 +108,17 @@ impl Schedule {
         }
     }
 
-    /// Time from the beginning of a layer's exposure to that of the next \[s\]; reads its `exposure`,
-    /// `motion` and `area_mm2`. Accelerations are unknown, so it is a lower bound, as vendors' own
+    /// Time from the beginning of a layer's exposure to that of the next \[s\]; reads its `height`,
+    /// `exposure`, `motion` and `area_mm2`. Accelerations are unknown, so it is a lower bound, as vendors' own
     /// figures are.
     pub fn time(&self, layer: &LayerInfo) -> f64 {
         let m = &layer.motion;
         let rests = m.rest_before_lift + m.rest_after_lift + m.rest_after_retract;
         let parting = match self.tilt {
-            Some(tilt) if layer.area_mm2 > tilt.large_mm2 => tilt.slow,
-            Some(tilt) => tilt.fast,
+            Some(tilt) => {
+                let large = layer.area_mm2 > tilt.large_mm2;
+                PLATE_S_PER_MM * layer.height + if large { tilt.slow } else { tilt.fast }
+            }
             None => {
                 let stages = [
                     (m.lift, m.lift_speed),
@@ -300,9 +306,34 @@ mod tests {
         let mut layer = s.layer(20, &LAYER);
         assert_eq!(layer.motion, Motion { rest_after_lift: 0.5, ..Motion::default() });
         layer.area_mm2 = panel_mm2 * 0.499;
-        assert!((s.time(&layer) - (8.0 + 0.5 + 5.0)).abs() < 1e-12);
+        assert!((s.time(&layer) - (8.0 + 0.5 + 5.0 + 0.25)).abs() < 1e-12);
         layer.area_mm2 = panel_mm2 * 0.501;
-        assert!((s.time(&layer) - (8.0 + 0.5 + 8.0)).abs() < 1e-12);
+        assert!((s.time(&layer) - (8.0 + 0.5 + 8.0 + 0.25)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_print_time_of_an_sl1_is_prusaslicers() {
+        // What PrusaSlicer 2.5.0 writes for a cube of 4 x 4 x 2 mm.
+        for (faded, initial, fast, height, seconds) in [
+            ("8", "35", "5", "0.05", 719.0),
+            ("8", "35", "0", "0.05", 519.0),
+            ("3", "35", "0", "0.05", 451.5),
+            ("8", "8", "5", "0.05", 530.0),
+            ("8", "35", "5", "0.1", 458.75),
+        ] {
+            let values = [
+                ("faded_layers", faded),
+                ("initial_exposure_time", initial),
+                ("fast_tilt_time", fast),
+                ("layer_height", height),
+            ];
+            let s = schedule("prusa-sl1", &values);
+            let mut settings = Settings::resin();
+            settings.set("layer_height", height).unwrap();
+            let list = layers(0, 2_000_000, &settings).unwrap();
+            let sum: f64 = (0..).zip(&list).map(|(i, l)| s.time(&s.layer(i, l))).sum();
+            assert!((sum - seconds).abs() < 1e-9, "{sum} for {values:?}");
+        }
     }
 
     #[test]

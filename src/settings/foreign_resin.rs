@@ -50,11 +50,11 @@ pub static FOREIGN_RESIN: &[Foreign] = &[
     seen("material_correction_y", &["1"]),
     seen("material_correction_z", &["1"]),
     quiet("material_notes"),
-    quiet("material_ow_absolute_correction"),
-    quiet("material_ow_elefant_foot_compensation"),
-    quiet("material_ow_relative_correction_x"),
-    quiet("material_ow_relative_correction_y"),
-    quiet("material_ow_relative_correction_z"),
+    seen("material_ow_absolute_correction", &["nil"]),
+    seen("material_ow_elefant_foot_compensation", &["nil"]),
+    seen("material_ow_relative_correction_x", &["nil"]),
+    seen("material_ow_relative_correction_y", &["nil"]),
+    seen("material_ow_relative_correction_z", &["nil"]),
     quiet("material_print_speed"),
     quiet("material_vendor"),
     quiet("max_exposure_time"),
@@ -116,3 +116,45 @@ pub static FOREIGN_RESIN: &[Foreign] = &[
     quiet("use_tilt"),
     seen("zcorrection_layers", &["0"]),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::super::{foreign, keys};
+    use crate::settings::PrinterTechnology::Sla;
+
+    /// The keys of a configuration for SLA that PrusaSlicer 2.5.0 saves.
+    const SAVED: &str = "
+        absolute_correction area_fill bed_shape bottle_cost bottle_volume bottle_weight
+        display_height display_mirror_x display_mirror_y display_orientation display_pixels_x
+        display_pixels_y display_width elefant_foot_compensation elefant_foot_min_width
+        exposure_time faded_layers fast_tilt_time gamma_correction high_viscosity_tilt_time
+        hollowing_closing_distance hollowing_enable hollowing_min_thickness hollowing_quality
+        initial_exposure_time initial_layer_height layer_height material_correction
+        material_correction_x material_correction_y material_correction_z material_density
+        material_print_speed max_exposure_time max_initial_exposure_time max_print_height
+        min_exposure_time min_initial_exposure_time output_filename_format pad_around_object
+        pad_around_object_everywhere pad_brim_size pad_enable pad_max_merge_distance
+        pad_object_connector_penetration pad_object_connector_stride pad_object_connector_width
+        pad_object_gap pad_wall_height pad_wall_slope pad_wall_thickness printer_technology
+        relative_correction relative_correction_x relative_correction_y relative_correction_z
+        slice_closing_radius slicing_mode slow_tilt_time support_base_diameter
+        support_base_height support_base_safety_distance support_buildplate_only
+        support_critical_angle support_head_front_diameter support_head_penetration
+        support_head_width support_max_bridge_length support_max_bridges_on_pillar
+        support_max_pillar_link_distance support_object_elevation
+        support_pillar_connection_mode support_pillar_diameter support_pillar_widening_factor
+        support_points_density_relative support_points_minimal_distance
+        support_small_pillar_diameter_percent supports_enable
+    ";
+
+    #[test]
+    fn every_key_that_prusaslicer_saves_is_known() {
+        let honoured = |name: &str| keys::of(Sla).any(|k| k.name == name);
+        let mut count = 0;
+        for name in SAVED.split_whitespace() {
+            assert!(honoured(name) || foreign::find(name, Sla).is_some(), "{name}");
+            count += u32::from(honoured(name));
+        }
+        assert_eq!(count, 26);
+    }
+}

@@ -50,7 +50,7 @@ registry! {
     Lift lift.area_fill: Number(0.0, 100.0), "%", "A layer that lights more than this share of the panel is large";
 
     Image image.anti_aliasing: Choice(&["1", "2", "4", "8", "16"], &[]), "", "Sub-rows of a pixel row; 1 = no greys";
-    Image image.minimum_grey: Count(0, 255), "", "Darker greys become black";
+    Image image.minimum_grey: Count(0, 255), "", "Darker greys, but not black, are raised to this";
     Image image.gamma_correction: Number(0.0, 1.0), "", "Exponent of the grey curve; 1 = linear, 0 = no greys";
     Image image.absolute_correction: LengthOrPixels(-10.0, 10.0, 500.0), "mm", "Grows (+) or shrinks (-) every layer's outline in XY";
     Image image.relative_correction_x: FACTOR, "", "Factor on the model's x";

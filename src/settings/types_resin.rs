@@ -160,9 +160,9 @@ impl Default for LiftSettings {
 pub struct ImageSettings {
     /// Sub-rows of a pixel: 1 (none), 2, 4, 8 or 16.
     pub anti_aliasing: u32,
-    /// Darker greys become black, 0..=255.
+    /// Greys that are neither black nor white are raised to this, 0..=255.
     pub minimum_grey: u32,
-    /// Exponent of the grey curve; 1 = linear, 0 = no greys.
+    /// Exponent of the grey curve: 1, as covered; 0, black and white at a half.
     pub gamma_correction: f64,
     /// Grows (+) or shrinks (-) every layer's outline.
     pub absolute_correction: LengthOrPixels,
