@@ -18,6 +18,9 @@ const RUN: usize = 4 + 5;
 /// Room for the at most 32 pieces into which the runs of one mask are split where they are longer.
 const SPARE: usize = 32 * 5;
 
+/// A grey before the first run from which no grey differs by little.
+const NOTHING: i32 = 1000;
+
 /// Chunks of black of up to [`SHORT`] pixels; those of white differ in the two highest bits of the
 /// first byte, those of grey in one of them and in having the grey behind it.
 static BLACK: [u32; SHORT] = {
@@ -42,7 +45,8 @@ pub fn encode(mask: &MaskLayer, pixels: u32) -> Vec<u8> {
     let mut chunks = Chunks(Words::new(mask.runs.len() * 4 + BLOCK * RUN + SPARE));
     chunks.0.make_room(SPARE);
     chunks.0.put(u64::from(IMAGE) << 56, 1);
-    let (mut at, mut before) = (0u32, 0);
+    // The first chunk is no difference: not all readers may begin at black.
+    let (mut at, mut before) = (0u32, NOTHING);
     for block in mask.runs.chunks(BLOCK) {
         chunks.0.make_room(block.len() * RUN + SPARE);
         for run in block {
@@ -58,7 +62,7 @@ pub fn encode(mask: &MaskLayer, pixels: u32) -> Vec<u8> {
                 }
                 _ => chunks.long(gap, lit, run.value, before),
             }
-            (at, before) = (run.end, run.value);
+            (at, before) = (run.end, i32::from(run.value));
         }
     }
     chunks.0.make_room(SPARE);
@@ -81,7 +85,7 @@ impl Chunks {
     /// A lit run of `length` pixels, of which `code` is the chunk if it were black, behind one of grey
     /// `before`.
     #[inline(always)]
-    fn lit_short(&mut self, value: u8, before: u8, length: u32, code: u32) {
+    fn lit_short(&mut self, value: u8, before: i32, length: u32, code: u32) {
         if value == 255 {
             self.0.put_short(code | 0xC0, code >> 24);
         } else if !self.difference(value, before, length) {
@@ -92,7 +96,7 @@ impl Chunks {
 
     /// A gap and a lit run, one of which is not in the table.
     #[inline(never)]
-    fn long(&mut self, gap: u32, lit: u32, value: u8, before: u8) {
+    fn long(&mut self, gap: u32, lit: u32, value: u8, before: i32) {
         self.plain(0, gap);
         if value == 255 {
             self.plain(3, lit);
@@ -103,8 +107,8 @@ impl Chunks {
 
     /// A run of grey as its difference to the grey before, where that is shorter.
     #[inline(always)]
-    fn difference(&mut self, value: u8, before: u8, length: u32) -> bool {
-        let step = i32::from(value) - i32::from(before);
+    fn difference(&mut self, value: u8, before: i32, length: u32) -> bool {
+        let step = i32::from(value) - before;
         // Between 2 and 15 pixels both kinds take two bytes, and all readers know the plain one.
         if step.unsigned_abs() > 15 || !(length == 1 || (16..=255).contains(&length)) {
             return false;
