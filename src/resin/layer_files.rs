@@ -1,6 +1,7 @@
 //! A container with one file per layer, opened for reading.
 
-use super::archive::{Folder, Members, ReadSeek, Zip, damaged, foreign};
+use super::archive::{Folder, Members, Zip, damaged, foreign};
+use super::bytes::ReadSeek;
 use super::png::{self, Packing, Place};
 use super::{Head, LayerInfo, ReadError, Reader, nanodlp, sl1, stack, svg};
 use crate::mask::MaskLayer;
