@@ -1,6 +1,7 @@
 //! Zip archives and folders of files: written so that two runs give the same bytes, read with bounds.
 
 use super::bytes::ReadSeek;
+use super::date::civil;
 use super::{ReadError, WriteSeek};
 use std::collections::BTreeMap;
 use std::fs;
@@ -67,15 +68,13 @@ pub struct ZipSink<'a> {
 impl<'a> ZipSink<'a> {
     /// Begins an archive whose members are all dated `date` \[s since 1970 UTC\].
     pub fn new(out: &'a mut dyn WriteSeek, date: i64) -> Self {
-        let date = Date::new(date);
+        let [year, rest @ ..] = civil(date);
+        let [month, day, hour, minute, second] = rest.map(|field| field as u8);
         // The format counts from 1980 to 2107, by two seconds.
-        let date = match u16::try_from(date.year) {
-            Ok(year) => {
-                DateTime::from_date_and_time(year, date.month, date.day, date.hour, date.minute, date.second)
-                    .unwrap_or_default()
-            }
-            Err(_) => DateTime::default(),
-        };
+        let date = u16::try_from(year)
+            .ok()
+            .and_then(|year| DateTime::from_date_and_time(year, month, day, hour, minute, second).ok())
+            .unwrap_or_default();
         Self { zip: ZipWriter::new(out), date }
     }
 
@@ -104,55 +103,10 @@ impl<'a> ZipSink<'a> {
     }
 }
 
-/// A date of the Gregorian calendar, UTC.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Date {
-    /// Year.
-    pub year: i64,
-    /// 1..=12.
-    pub month: u8,
-    /// 1..=31.
-    pub day: u8,
-    /// 0..=23.
-    pub hour: u8,
-    /// 0..=59.
-    pub minute: u8,
-    /// 0..=59.
-    pub second: u8,
-}
-
-impl Date {
-    /// The date `seconds` after 1970-01-01 00:00:00 UTC.
-    pub fn new(seconds: i64) -> Self {
-        let (days, in_day) = (seconds.div_euclid(86400), seconds.rem_euclid(86400));
-        // Years that begin in March end with the leap day; 400 of them have 146,097 days.
-        let from_march_of_0 = days.saturating_add(719_468);
-        let (era, day) = (from_march_of_0.div_euclid(146_097), from_march_of_0.rem_euclid(146_097));
-        let year_of_era = (day - day / 1460 + day / 36524 - day / 146_096) / 365;
-        let day_of_year = day - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-        // Months from March repeat 31, 30, 31, 30, 31 days: 153 in five.
-        let month = (5 * day_of_year + 2) / 153;
-        let day = day_of_year - (153 * month + 2) / 5 + 1;
-        let january = i64::from(month >= 10);
-        Self {
-            year: era * 400 + year_of_era + january,
-            month: (month + 3 - 12 * january) as u8,
-            day: day as u8,
-            hour: (in_day / 3600) as u8,
-            minute: (in_day / 60 % 60) as u8,
-            second: (in_day % 60) as u8,
-        }
-    }
-
-    /// `2001-02-03`.
-    pub fn day(&self) -> String {
-        format!("{:04}-{:02}-{:02}", self.year, self.month, self.day)
-    }
-
-    /// `04:05:06`.
-    pub fn time(&self) -> String {
-        format!("{:02}:{:02}:{:02}", self.hour, self.minute, self.second)
-    }
+/// The day and the time of day at `date` \[s since 1970 UTC\]: `2001-02-03` and `04:05:06`.
+pub fn day_and_time(date: i64) -> [String; 2] {
+    let [year, month, day, hour, minute, second] = civil(date);
+    [format!("{year:04}-{month:02}-{day:02}"), format!("{hour:02}:{minute:02}:{second:02}")]
 }
 
 /// The members of a container that is read.
@@ -331,18 +285,16 @@ mod tests {
     use std::io::Cursor;
 
     #[test]
-    fn dates_follow_the_calendar() {
-        for (seconds, day, time) in [
-            (0, "1970-01-01", "00:00:00"),
-            (-1, "1969-12-31", "23:59:59"),
-            (951_782_400, "2000-02-29", "00:00:00"),
-            (1_709_251_199, "2024-02-29", "23:59:59"),
-            (1_709_251_200, "2024-03-01", "00:00:00"),
-            (4_107_542_400, "2100-03-01", "00:00:00"),
-        ] {
-            let date = Date::new(seconds);
-            assert_eq!((date.day().as_str(), date.time().as_str()), (day, time));
+    fn dates_before_1980_are_1980() {
+        for date in [i64::MIN / 100_000, -1, 0, 315_532_799] {
+            let mut file = Cursor::new(Vec::new());
+            let mut sink = ZipSink::new(&mut file, date);
+            sink.put("a", b"", false).unwrap();
+            sink.finish().unwrap();
+            let mut zip = ZipArchive::new(file).unwrap();
+            assert_eq!(zip.by_index(0).unwrap().last_modified(), Some(DateTime::default()));
         }
+        assert_eq!(day_and_time(951_782_401), ["2000-02-29", "00:00:01"]);
     }
 
     #[test]

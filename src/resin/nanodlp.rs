@@ -102,7 +102,7 @@ impl Container for NanoDlp {
         let options = options(print);
         put(&mut zip, "options.json", &options)?;
         put(&mut zip, "slicer.json", &options)?;
-        zip.put("3d.png", &png::encode_preview(&png::scaled(&print.preview, 607, 487))?, false)?;
+        zip.put("3d.png", &png::encode_preview(&print.preview, 607, 487)?, false)?;
         Ok(Box::new(NanoDlpSink { zip, print, layers: Vec::new(), bounds: None, top: 0.0 }))
     }
 }
@@ -194,7 +194,7 @@ impl LayerSink for NanoDlpSink<'_> {
         self.bounds = bounds.map(|b| b.join(self.bounds)).or(self.bounds);
         self.layers.push((info.area_mm2, bounds));
         self.top = self.top.max(info.z);
-        self.zip.put(&format!("{}.png", u64::from(info.index) + 1), picture, false)
+        self.zip.put(&format!("{}.png", self.layers.len()), picture, false)
     }
 
     fn finish(mut self: Box<Self>, totals: &Totals) -> io::Result<()> {

@@ -5,6 +5,7 @@
 //! runs is at deflate's bound already.
 
 use super::deflate::{Stretches, zlib};
+use super::preview::scaled;
 use super::{Preview, ReadError};
 use crate::mask::{MaskLayer, Panel};
 use png::{BitDepth, ColorType, DecodeOptions, Decoder, DecodingError, Limits, Transformations};
@@ -36,13 +37,19 @@ pub fn encode_into(out: &mut Vec<u8>, mask: &MaskLayer, panel: &Panel) {
     let data = out.len();
     let rows = Rows { mask, width: u64::from(panel.width), height: u64::from(panel.height) };
     chunk(out, *b"IDAT", |out| zlib(out, &rows));
-    if out.len() - data - 12 > LONGEST_CHUNK {
-        let stream = out.split_off(data);
-        for part in stream.get(8..stream.len() - 4).unwrap_or(&[]).chunks(1 << 30) {
-            chunk(out, *b"IDAT", |out| out.extend_from_slice(part));
-        }
-    }
+    split(out, data, LONGEST_CHUNK);
     chunk(out, *b"IEND", |_| {});
+}
+
+/// Splits the last chunk of data, which begins at `at`, where it is longer than chunks may be.
+fn split(out: &mut Vec<u8>, at: usize, longest: usize) {
+    if out.len() - at - 12 <= longest {
+        return;
+    }
+    let stream = out.split_off(at);
+    for part in stream.get(8..stream.len() - 4).unwrap_or(&[]).chunks(longest) {
+        chunk(out, *b"IDAT", |out| out.extend_from_slice(part));
+    }
 }
 
 /// Appends a chunk whose data `write` appends: length, name, data and the check sum of both.
@@ -109,38 +116,16 @@ impl Stretches for Rows<'_> {
     }
 }
 
-/// The preview, as large as fits, in the middle of a black picture of the size asked for.
-pub fn scaled(preview: &Preview, width: u32, height: u32) -> Preview {
-    let mut rgb = vec![0; 3 * width as usize * height as usize];
-    let (w, h) = (u64::from(preview.width), u64::from(preview.height));
-    if w > 0 && h > 0 {
-        // The smaller of both ratios, as a fraction.
-        let (num, den) = if u64::from(width) * h < u64::from(height) * w {
-            (u64::from(width), w)
-        } else {
-            (u64::from(height), h)
-        };
-        let (left, top) = ((u64::from(width) - w * num / den) / 2, (u64::from(height) - h * num / den) / 2);
-        for (i, pixel) in rgb.chunks_exact_mut(3).enumerate() {
-            let (x, y) = (i as u64 % u64::from(width), i as u64 / u64::from(width));
-            let from = |at: u64, off: u64| at.checked_sub(off).map(|d| (2 * d + 1) * den / (2 * num));
-            if let (Some(x), Some(y)) = (from(x, left), from(y, top))
-                && x < w
-                && y < h
-                && let Some(from) = preview.rgb.get(3 * (y * w + x) as usize..3 * (y * w + x) as usize + 3)
-            {
-                pixel.copy_from_slice(from);
-            }
-        }
-    }
-    Preview { width, height, rgb }
+/// The PNG of a preview, scaled.
+///
+/// # Errors
+/// `InvalidInput` where there are no pixels, or too many.
+pub fn encode_preview(preview: &Preview, width: u32, height: u32) -> io::Result<Vec<u8>> {
+    encode_rgb(&scaled(preview, width, height))
 }
 
 /// The PNG of a picture in colours.
-///
-/// # Errors
-/// `InvalidInput` where the picture's bytes do not fit its size.
-pub fn encode_preview(preview: &Preview) -> io::Result<Vec<u8>> {
+fn encode_rgb(preview: &Preview) -> io::Result<Vec<u8>> {
     let mut out = Vec::new();
     let mut encoder = png::Encoder::new(&mut out, preview.width, preview.height);
     encoder.set_color(ColorType::Rgb);

@@ -5,7 +5,7 @@
 //! against its files, and after the way the printer's firmware (sl1fw) times its layers: the first three
 //! get `expTimeFirst`, the next `numFade` fall linearly, all others get `expTime`.
 
-use super::archive::{Date, LONGEST_TEXT, Members, ZipSink, damaged};
+use super::archive::{LONGEST_TEXT, Members, ZipSink, damaged, day_and_time};
 use super::layer_files::{Kind, LayerFile, LayerFiles};
 use super::png::{self, Packing, Place};
 use super::{Container, Head, LayerInfo, LayerSink, Print, ReadError, Totals, WriteSeek};
@@ -49,7 +49,7 @@ impl Container for Sl1 {
         let text: String = settings.iter().map(|(key, value)| format!("{key} = {value}\n")).collect();
         zip.put(SETTINGS, text.as_bytes(), true)?;
         for (width, height) in [(400, 400), (800, 480)] {
-            let picture = png::encode_preview(&png::scaled(&print.preview, width, height))?;
+            let picture = png::encode_preview(&print.preview, width, height)?;
             zip.put(&format!("thumbnail/thumbnail{width}x{height}.png"), &picture, false)?;
         }
         Ok(Box::new(Sl1Sink { zip, print, settings, slow: 0, layers: 0 }))
@@ -76,7 +76,6 @@ fn settings(print: &Print) -> BTreeMap<String, String> {
         ("display_pixels_y", pixels_y.to_string()),
         ("display_width", wide),
         ("exposure_time", number(print.exposure)),
-        ("faded_layers", fade(print).to_string()),
         ("gamma_correction", u8::from(print.anti_aliasing > 1).to_string()),
         ("initial_exposure_time", number(print.bottom_exposure)),
         ("initial_layer_height", number(print.first_layer_height)),
@@ -89,6 +88,12 @@ fn settings(print: &Print) -> BTreeMap<String, String> {
     ];
     for (key, value) in needed {
         settings.entry(key.to_owned()).or_insert(value);
+    }
+    // What the printer will do, however the layers were asked for.
+    settings.insert("faded_layers".to_owned(), fade(print).to_string());
+    if let Some(share) = settings.get_mut("area_fill") {
+        // PrusaSlicer has it without the sign.
+        *share = share.trim_end_matches('%').to_owned();
     }
     settings
 }
@@ -126,21 +131,22 @@ impl Sl1Sink<'_> {
 impl LayerSink for Sl1Sink<'_> {
     fn layer(&mut self, info: &LayerInfo, encoded: &[u8]) -> io::Result<()> {
         let [wide, high] = self.print.panel.image_nm().map(|nm| nm as f64 * 1e-6);
-        let percent = self.setting("area_fill").trim_end_matches('%').parse().unwrap_or(AREA_FILL);
+        let percent = self.setting("area_fill").parse().unwrap_or(AREA_FILL);
         self.slow += u32::from(info.area_mm2 > wide * high * percent / 100.0);
+        let index = self.layers;
         self.layers += 1;
-        self.zip.put(&format!("{}{:05}.png", job(self.print), info.index), encoded, false)
+        self.zip.put(&format!("{}{index:05}.png", job(self.print)), encoded, false)
     }
 
     fn finish(mut self: Box<Self>, totals: &Totals) -> io::Result<()> {
         let print = self.print;
-        let date = Date::new(print.date);
+        let [day, time] = day_and_time(print.date);
         let lines = [
             ("action", "print".to_owned()),
             ("expTime", number(print.exposure)),
             ("expTimeFirst", number(print.bottom_exposure)),
             ("expUserProfile", "0".to_owned()),
-            ("fileCreationTimestamp", format!("{} at {} UTC", date.day(), date.time())),
+            ("fileCreationTimestamp", format!("{day} at {time} UTC")),
             ("hollow", "0".to_owned()),
             ("jobDir", job(print).to_owned()),
             ("layerHeight", number(print.layer_height)),

@@ -6,7 +6,7 @@
 
 mod manifest;
 
-use super::archive::{Date, Members, Sink, ZipSink, damaged};
+use super::archive::{Members, Sink, ZipSink, damaged, day_and_time};
 use super::layer_files::{Kind, LayerFile, LayerFiles};
 use super::png::{self, Packing};
 use super::{Container, Head, LayerInfo, LayerSink, Motion, Print, ReadError, Totals, WriteSeek};
@@ -67,28 +67,28 @@ impl<'a> StackSink<'a> {
     pub fn begin(mut sink: Sink<'a>, print: &'a Print, svg: bool) -> io::Result<Self> {
         sink.put_text("settings.ini", print.config.as_bytes())?;
         // The sizes that UVtools gives to its own.
-        let preview = png::scaled(&print.preview, 854, 480);
-        sink.put("preview.png", &png::encode_preview(&preview)?)?;
+        sink.put("preview.png", &png::encode_preview(&print.preview, 854, 480)?)?;
         if !svg && matches!(sink, Sink::Zip(_)) {
-            let preview = png::scaled(&print.preview, 472, 240);
-            sink.put("preview_cropping.png", &png::encode_preview(&preview)?)?;
+            sink.put("preview_cropping.png", &png::encode_preview(&print.preview, 472, 240)?)?;
             sink.put_text("manifest.uvtools", uvtools(print).as_bytes())?;
         }
         Ok(Self { sink, print, svg, layers: Vec::new() })
     }
 
-    fn file(&self, index: u32) -> String {
+    /// Name of the next layer's file.
+    fn file(&self) -> String {
+        let index = self.layers.len();
         match (&self.sink, self.svg) {
             (_, true) => format!("{index:05}.svg"),
             (Sink::Folder(_), false) => format!("{index:05}.png"),
-            (Sink::Zip(_), false) => format!("{}.png", u64::from(index) + 1),
+            (Sink::Zip(_), false) => format!("{}.png", index + 1),
         }
     }
 }
 
 impl LayerSink for StackSink<'_> {
     fn layer(&mut self, info: &LayerInfo, encoded: &[u8]) -> io::Result<()> {
-        let file = self.file(info.index);
+        let file = self.file();
         if self.svg {
             self.sink.put_text(&file, encoded)?;
         } else {
@@ -110,8 +110,8 @@ impl LayerSink for StackSink<'_> {
 
 /// The manifest by which UVtools knows its generic zip.
 fn uvtools(print: &Print) -> String {
-    let date = Date::new(print.date);
-    let date = format!("{} {}Z", date.day(), date.time());
+    let [day, time] = day_and_time(print.date);
+    let date = format!("{day} {time}Z");
     let program = concat!("microtome ", env!("CARGO_PKG_VERSION"));
     let [wide, high] = print.panel.image_nm().map(|nm| nm as f64 * 1e-6);
     let fields = [

@@ -53,7 +53,9 @@ fn has_the_members_that_printers_and_slicers_need() {
     let settings = String::from_utf8(members[0].1.clone()).unwrap();
     lines = settings.lines().collect();
     assert!(lines.is_sorted());
-    for line in ["area_fill = 35", "display_mirror_x = 1", "display_orientation = landscape"] {
+    for line in
+        ["area_fill = 35", "display_mirror_x = 1", "display_orientation = landscape", "faded_layers = 2"]
+    {
         assert!(lines.contains(&line), "{line} is missing in\n{settings}");
     }
 }

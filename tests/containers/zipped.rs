@@ -40,7 +40,7 @@ pub fn print(layers: u32) -> Print {
         anti_aliasing: 4,
         density: 1.1,
         cost: 30.0,
-        config: "absolute_correction = 0\narea_fill = 35\n".to_owned(),
+        config: "absolute_correction = 0\narea_fill = 35%\nfaded_layers = 0\n".to_owned(),
         preview: Arc::new(Preview { width: 3, height: 2, rgb: (0..18).collect() }),
     }
 }

@@ -88,6 +88,18 @@ fn runs_beyond_the_panel_are_left_out() {
 }
 
 #[test]
+fn long_streams_are_split() {
+    let mut mask = MaskLayer::default();
+    (0..300).for_each(|i| mask.push(7 * i, 7 * i + 3, (i % 255) as u8 + 1));
+    let mut bytes = encode(&mask, &panel(300, 9));
+    let end = bytes.split_off(bytes.len() - 12);
+    split(&mut bytes, 33, 100);
+    bytes.extend_from_slice(&end);
+    assert!(bytes.windows(4).filter(|w| w == b"IDAT").count() > 2);
+    assert_eq!(decode(&bytes, 300, 9, Packing::Grey, PLACE).unwrap(), mask);
+}
+
+#[test]
 fn a_changed_byte_is_noticed() {
     let mut mask = MaskLayer::default();
     mask.push(10, 2000, 255);
@@ -133,7 +145,7 @@ fn other_kinds_of_pictures_are_refused() {
 #[test]
 fn previews_are_pictures_in_colours() {
     let preview = Preview { width: 2, height: 1, rgb: vec![1, 2, 3, 4, 5, 6] };
-    let bytes = encode_preview(&preview).unwrap();
-    assert_eq!(size(&bytes, PLACE).unwrap(), [2, 1]);
-    assert!(encode_preview(&Preview { width: 2, height: 2, rgb: vec![0; 6] }).is_err());
+    let bytes = encode_preview(&preview, 4, 2).unwrap();
+    assert_eq!(size(&bytes, PLACE).unwrap(), [4, 2]);
+    assert!(encode_rgb(&Preview { width: 2, height: 2, rgb: vec![0; 6] }).is_err());
 }

@@ -1,7 +1,7 @@
 //! The manifest of a stack of layers, as it stands in JSON.
 
 use super::{Head, LayerFile, LayerInfo, Motion, Print, Totals};
-use crate::resin::archive::Date;
+use crate::resin::archive::day_and_time;
 use serde::{Deserialize, Serialize};
 
 /// Name of the format.
@@ -127,7 +127,7 @@ impl Layer {
 impl Manifest {
     /// The manifest of a finished print.
     pub fn new(print: &Print, svg: bool, totals: &Totals, layers: Vec<Layer>) -> Self {
-        let date = Date::new(print.date);
+        let [day, time] = day_and_time(print.date);
         let panel = &print.panel;
         Self {
             format: FORMAT.to_owned(),
@@ -135,7 +135,7 @@ impl Manifest {
             layer_format: if svg { "svg" } else { "png" }.to_owned(),
             generator: concat!("microtome ", env!("CARGO_PKG_VERSION")).to_owned(),
             name: print.name.clone(),
-            date: format!("{}T{}Z", date.day(), date.time()),
+            date: format!("{day}T{time}Z"),
             machine: print.machine.clone(),
             material: print.material.clone(),
             panel: Panel {
