@@ -1,6 +1,6 @@
 //! The report of the checks of masks.
 
-use crate::mask::check::{CheckSettings, Findings, Marks};
+use crate::mask::check::{CheckSettings, Findings, LayerFigures, Marks};
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -65,7 +65,7 @@ pub struct WorstLayer {
 impl CheckReport {
     /// Sums up what was found with these settings.
     pub fn new(findings: Findings, settings: &CheckSettings) -> Self {
-        let greatest = |area: fn(&crate::mask::check::LayerFigures) -> f64| {
+        let greatest = |area: fn(&LayerFigures) -> f64| {
             let areas = (0u32..).zip(findings.layers.iter().map(area));
             areas.fold(Extreme::default(), |most, (layer, area_mm2)| {
                 if area_mm2 > most.area_mm2 { Extreme { layer, area_mm2 } } else { most }

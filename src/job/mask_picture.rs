@@ -1,8 +1,8 @@
 //! A picture of one layer with what the checks found in it.
 
-use crate::mask::check::{CheckSettings, LayerParts, Marks, Reach, Unsupported};
+use crate::lattice;
+use crate::mask::check::{CheckSettings, Fates, LayerParts, Marks, Reach, Region, Unsupported};
 use crate::mask::{MaskLayer, Panel};
-use crate::{lattice, mask::check::findings::Fates};
 use image::{Rgb, RgbImage};
 
 /// Longest side of a picture \[pixels\].
@@ -84,7 +84,7 @@ struct Canvas<'a> {
 impl<'a> Canvas<'a> {
     /// Holds all solid pixels and a margin; none where there are no pixels.
     fn around(parts: &LayerParts, panel: &'a Panel) -> Option<Self> {
-        let mut all = crate::mask::check::Region::default();
+        let mut all = Region::default();
         for (row, spans) in parts.rows.iter() {
             spans.iter().for_each(|s| all.add(row, s.start, s.end));
         }

@@ -16,7 +16,7 @@ pub mod support;
 mod voids;
 
 pub use checker::{CheckLayer, CheckSettings, Checker};
-pub use findings::{Fate, Findings, Island, LayerFigures, Marks, Void, Worst};
+pub use findings::{Fate, Fates, Findings, Island, LayerFigures, Marks, Void, Worst};
 pub use parts::{Gap, LayerParts, Region};
 pub use support::{Reach, Unsupported};
 
