@@ -90,9 +90,8 @@ pub fn run(
     };
     let [x, y, z] = plate.mesh.origin;
     let raster = Raster::new(panel, [x, y], &shading)?;
-    let container = format
-        .container(output, settings.machine.ctb_version)
-        .ok_or(JobError::NoWriter(format.name()))?;
+    let container =
+        format.container(output, settings.machine.ctb_version).ok_or(JobError::NoWriter(format.name()))?;
     let print = print(&plate, &layers, job, &panel);
     let mut target = Target::create(output, format)?;
     let schedule = Schedule::new(settings, &panel);
