@@ -140,8 +140,9 @@ fn adapters() -> Vec<String> {
 
 /// The part on the left; on the right the layer with the most kinds of line and islands.
 fn draw(layers: &[PrintLayer], settings: &Settings) -> image::RgbImage {
-    let part =
-        picture::part::render(&mesh::demo_part(), PANEL.0, PANEL.1, Some(settings.slicing.layer_height));
+    let light = [picture::BACKGROUND.0; 2];
+    let part = picture::preview::render_on(&[&mesh::demo_part()], PANEL.0, PANEL.1, light);
+    let part = image::RgbImage::from_raw(part.width, part.height, part.rgb).unwrap_or_default();
     let telling = layers.iter().max_by_key(|l| {
         let fills = || l.islands.iter().flat_map(|i| &i.fills);
         let kinds: BTreeSet<_> = fills().map(|f| f.kind).collect();

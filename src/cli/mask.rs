@@ -125,14 +125,12 @@ pub fn run(args: &MaskArgs) -> Result<(), CliError> {
 
 /// Where the masks go and in which format.
 fn output(args: &MaskArgs, settings: &Settings) -> Result<(Format, PathBuf), JobError> {
-    let container = settings.machine.container;
     let path = match &args.output {
         Some(path) => path.clone(),
-        None if container.is_written() => {
+        None => {
             let first = args.models.first().cloned().unwrap_or_default();
-            first.with_extension(container.extension())
+            first.with_extension(settings.output_extension(None)?)
         }
-        None => return Err(JobError::NoWriter(container.name())),
     };
     if Format::is_folder(&path) {
         return Ok((Format::PngFolder, path));
@@ -142,10 +140,8 @@ fn output(args: &MaskArgs, settings: &Settings) -> Result<(Format, PathBuf), Job
         true => "svg.zip",
         false => name.rsplit('.').next().unwrap_or_default(),
     };
+    let extension = settings.output_extension(Some(extension))?;
     match Format::of_extension(extension) {
-        Some(Format::Ctb) if !container.is_written() && container.extension() == "ctb" => {
-            Err(JobError::NoWriter(container.name()))
-        }
         Some(format) => Ok((format, path)),
         None => Err(JobError::NoFormat { path }),
     }

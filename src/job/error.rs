@@ -71,9 +71,7 @@ pub enum JobError {
         problem: String,
     },
     /// A format that is only read.
-    #[error(
-        "{0} files, which the printer takes, cannot be written; give an output that ends in .goo or .zip with -o and convert it with the vendor's program, or in .ctb with --container ctb if the machine takes plain files"
-    )]
+    #[error("{0} files can be read but not written; choose another format with -o")]
     NoWriter(&'static str),
     /// An output whose name says nothing about its format.
     #[error("{}: no format of layer masks has this extension; give a name that ends in {} with -o, or a folder", path.display(), extensions())]

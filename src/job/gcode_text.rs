@@ -5,6 +5,7 @@ use crate::gcode::LayerText;
 use crate::gcode::template::{TemplateError, expand};
 use crate::lattice::mm;
 use crate::path::PrintLayer;
+use crate::resin::date::civil;
 
 /// Templates with their placeholders filled in, and what is needed to fill in those of the layers.
 #[derive(Debug)]
@@ -134,20 +135,9 @@ fn number(value: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// Seconds since 1970-01-01 UTC as `YYYY-MM-DD at HH:MM:SS UTC`, by Hinnant's days-to-civil algorithm
-/// ("chrono-Compatible Low-Level Date Algorithms", 2013).
+/// Seconds since 1970-01-01 UTC as `YYYY-MM-DD at HH:MM:SS UTC`.
 fn date(seconds: i64) -> String {
-    let (days, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
-    let shifted = days + 719_468;
-    let era = shifted.div_euclid(146_097);
-    let day_of_era = shifted.rem_euclid(146_097);
-    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let shifted_month = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * shifted_month + 2) / 5 + 1;
-    let month = if shifted_month < 10 { shifted_month + 3 } else { shifted_month - 9 };
-    let year = year_of_era + era * 400 + i64::from(month <= 2);
-    let (h, m, s) = (second / 3600, second / 60 % 60, second % 60);
+    let [year, month, day, h, m, s] = civil(seconds);
     format!("{year:04}-{month:02}-{day:02} at {h:02}:{m:02}:{s:02} UTC")
 }
 

@@ -6,7 +6,6 @@ pub mod antialias;
 pub mod layer;
 pub mod layers;
 pub mod check;
-pub mod morph;
 pub mod panel;
 pub mod raster;
 

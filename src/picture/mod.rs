@@ -1,7 +1,6 @@
 //! Pictures for people: the part in space and a layer from above. Nothing here reaches the G-code.
 
 pub mod mask_png;
-pub mod part;
 pub mod preview;
 pub mod strokes;
 

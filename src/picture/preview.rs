@@ -24,8 +24,8 @@ pub const LARGEST: u32 = 1 << 14;
 /// Share of the picture that the part fills along the tighter direction.
 const FILL: f64 = 0.9;
 
-/// Behind the part, at the top and at the bottom of the picture.
-const BACKGROUND: [[u8; 3]; 2] = [[66, 70, 78], [36, 38, 43]];
+/// What is behind the part, at the top and at the bottom of the picture: dark, as displays of printers are.
+pub const DARK: [[u8; 3]; 2] = [[66, 70, 78], [36, 38, 43]];
 
 /// Colours of the part from darkest to brightest.
 const COLORS: [[f64; 3]; 4] =
@@ -34,11 +34,11 @@ const COLORS: [[f64; 3]; 4] =
 /// Draws a mesh, z up, scaled to fill the picture but for a margin. Facets that show their inner side are
 /// drawn darker. Width and height are at most [`LARGEST`].
 pub fn render(mesh: &Mesh, width: u32, height: u32) -> Preview {
-    render_all(&[mesh], width, height)
+    render_on(&[mesh], width, height, DARK)
 }
 
-/// Draws several meshes as they stand beside each other.
-pub fn render_all(meshes: &[&Mesh], width: u32, height: u32) -> Preview {
+/// Draws several meshes as they stand beside each other, before another background.
+pub fn render_on(meshes: &[&Mesh], width: u32, height: u32, behind: [[u8; 3]; 2]) -> Preview {
     let (width, height) = (width.min(LARGEST), height.min(LARGEST));
     let size = [width * SUPERSAMPLING, height * SUPERSAMPLING];
     let mut canvas = Canvas { size, pixels: vec![0; size[0] as usize * size[1] as usize] };
@@ -48,7 +48,7 @@ pub fn render_all(meshes: &[&Mesh], width: u32, height: u32) -> Preview {
             canvas.draw(meshes, &view, true);
         }
     }
-    Preview { width, height, rgb: canvas.colors() }
+    Preview { width, height, rgb: canvas.colors(behind) }
 }
 
 /// A corner in the picture: x to the right and y up \[1/1024 pixel\], z towards the eye \[1/DEEPEST\].
@@ -203,23 +203,23 @@ impl Canvas {
     }
 
     /// Averages to the final size: red, green, blue from the top left.
-    fn colors(&self) -> Vec<u8> {
+    fn colors(&self, behind: [[u8; 3]; 2]) -> Vec<u8> {
         let [width, height] = self.size.map(|s| (s / SUPERSAMPLING) as usize);
         let table = color_table();
         let n = SUPERSAMPLING as usize;
         let mut rgb = Vec::with_capacity(3 * width * height);
         for y in 0..height {
             let share = |i: usize| {
-                let [top, bottom] = [BACKGROUND[0][i], BACKGROUND[1][i]].map(usize::from);
+                let [top, bottom] = [behind[0][i], behind[1][i]].map(usize::from);
                 (top * (height - y) + bottom * y) / height
             };
-            let behind = [share(0), share(1), share(2)].map(|c| c as u16);
+            let empty = [share(0), share(1), share(2)].map(|c| c as u16);
             for x in 0..width {
                 let mut sum = [0u16; 3];
                 for dy in 0..n {
                     let line = (height * n - 1 - (y * n + dy)) * width * n + x * n;
                     for sample in &self.pixels[line..line + n] {
-                        let color = if *sample == 0 { behind } else { table[(sample & 255) as usize] };
+                        let color = if *sample == 0 { empty } else { table[(sample & 255) as usize] };
                         sum = [sum[0] + color[0], sum[1] + color[1], sum[2] + color[2]];
                     }
                 }
@@ -367,7 +367,7 @@ mod tests {
             assert_eq!(at(&picture, 24 + x, 60 + y), front);
             assert_eq!(at(&picture, 64 + x, 60 + y), right);
         }
-        assert_eq!(at(&picture, 0, 0), BACKGROUND[0]);
+        assert_eq!(at(&picture, 0, 0), DARK[0]);
     }
 
     #[test]
@@ -392,8 +392,8 @@ mod tests {
     fn what_is_nearer_hides_what_is_behind() {
         let near = block([20, -20, 0], [30, -10, 10]);
         let far = block([0, 0, 0], [10, 10, 10]);
-        let both = render_all(&[&far, &near], 80, 80);
-        assert_eq!(both, render_all(&[&near, &far], 80, 80));
+        let both = render_on(&[&far, &near], 80, 80, DARK);
+        assert_eq!(both, render_on(&[&near, &far], 80, 80, DARK));
         assert_ne!(both, render(&near, 80, 80));
     }
 

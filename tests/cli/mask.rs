@@ -202,9 +202,9 @@ fn checks_find_an_island_and_a_cup() {
     assert_eq!(report["trapped"]["count"], 0, "{report}");
     let island = &report["islands"]["listed"][0];
     assert_eq!(island["layer"], 10);
-    assert!((island["area_mm2"].as_f64().unwrap() - 4.0).abs() < 0.1, "{island}");
+    assert!((island["area_mm2"].as_f64().unwrap() - 4.0).abs() < 0.3, "{island}");
     let text = stderr(&done);
-    assert!(text.contains("1 islands") && text.contains("suction cup"), "{text}");
+    assert!(text.contains("1 island:") && text.contains("suction cup"), "{text}");
     assert!(std::fs::read_dir(bench.path("worst")).unwrap().count() >= 2);
 }
 

@@ -7,8 +7,12 @@ use microtome::mesh::{Mesh, demo_part, shapes, stl_write::write_stl_binary};
 use std::path::Path;
 use std::process::{Command, Output};
 
-pub const TESTS: &[Test] =
-    &[("gcode_files_equal_the_cpu's", files), ("a_missing_gpu_is_exit_code_5_without_a_file", missing)];
+pub const TESTS: &[Test] = &[
+    ("gcode_files_equal_the_cpu's", files),
+    ("mask_files_equal_the_cpu's", masks),
+    ("mask_files_survive_a_failing_device", failing),
+    ("a_missing_gpu_is_exit_code_5_without_a_file", missing),
+];
 
 fn run(folder: &Path, more: &[&str]) -> Result<Output, Failed> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_microtome"));
@@ -46,6 +50,72 @@ fn files(bench: &Bench) -> Result<(), Failed> {
         ensure(cpu != planted, format!("{name}: the comparison is blind"))?;
     }
     Ok(())
+}
+
+/// Masks on a panel, as a file of some format.
+fn mask(folder: &Path, output: &str, more: &[&str]) -> Result<Vec<u8>, Failed> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_microtome"));
+    command.args(["mask", "model.stl", "-o", output]).args(more).current_dir(folder);
+    let done = command.env_remove("SOURCE_DATE_EPOCH").output()?;
+    ensure(done.status.success(), String::from_utf8_lossy(&done.stderr).into_owned())?;
+    Ok(std::fs::read(folder.join(output))?)
+}
+
+fn masks(bench: &Bench) -> Result<(), Failed> {
+    let adapter = bench.adapter.info.name.as_str();
+    let gpu = ["--backend", "gpu", "--adapter", adapter, "--threads", "1"];
+    let mut open = shapes::sphere(6.0, 40, 30);
+    open.triangles.remove(700);
+    let base = ["--layer-height", "0.3", "--initial-layer-height", "0.3"];
+    // 8K with sub-rows, portrait, 12K with correction, and 16K.
+    let cases: [(&str, &str, Mesh, &[&str]); 5] = [
+        (
+            "an 8K panel",
+            "a.nanodlp",
+            demo_part(),
+            &["--printer", "concepts3d-athena-8k", "--anti-aliasing", "4"],
+        ),
+        ("a portrait panel", "a.sl1", demo_part(), &["--printer", "prusa-sl1s"]),
+        (
+            "corrected outlines",
+            "a.goo",
+            shapes::sphere(8.0, 60, 40),
+            &["--printer", "elegoo-saturn-3-ultra", "--absolute-correction=-0.05"],
+        ),
+        (
+            "a 16K panel",
+            "a.goo",
+            shapes::upright(&shapes::knot(12.0, 3.0, 20_000)),
+            &["--printer", "elegoo-jupiter-2"],
+        ),
+        ("an open mesh", "a.zip", open, &["--printer", "elegoo-mars-5"]),
+    ];
+    for (name, output, mesh, more) in cases {
+        let dir = tempfile::tempdir()?;
+        let mut stl = Vec::new();
+        write_stl_binary(&mesh, &mut stl)?;
+        std::fs::write(dir.path().join("model.stl"), stl)?;
+        let file = |with: &[&str]| mask(dir.path(), output, &[&base, more, with].concat());
+        let cpu = file(&["--backend", "cpu"])?;
+        ensure(cpu == file(&gpu)?, format!("{name}: the files differ"))?;
+        let planted = file(&["--backend", "cpu", "--rotate", "1"])?;
+        ensure(cpu != planted, format!("{name}: the comparison is blind"))?;
+    }
+    Ok(())
+}
+
+/// A device that fails on the way: the CPU goes on, with the same bytes.
+fn failing(bench: &Bench) -> Result<(), Failed> {
+    let adapter = bench.adapter.info.name.as_str();
+    let dir = tempfile::tempdir()?;
+    let mut stl = Vec::new();
+    write_stl_binary(&shapes::sphere(8.0, 100, 80), &mut stl)?;
+    std::fs::write(dir.path().join("model.stl"), stl)?;
+    let panel = ["--printer", "elegoo-mars-4", "--layer-height", "0.1"];
+    let cpu = mask(dir.path(), "a.goo", &[&panel[..], &["--backend", "cpu"]].concat())?;
+    // One MiB holds neither the mesh nor a run.
+    let starved = ["--backend", "auto", "--adapter", adapter, "--memory", "1M"];
+    ensure(cpu == mask(dir.path(), "a.goo", &[&panel[..], &starved].concat())?, "the files differ")
 }
 
 fn missing(_: &Bench) -> Result<(), Failed> {

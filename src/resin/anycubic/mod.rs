@@ -30,7 +30,6 @@ mod machines;
 mod read;
 mod runs;
 mod tables;
-mod thumbnail;
 mod write;
 
 #[cfg(test)]

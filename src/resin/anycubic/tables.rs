@@ -1,7 +1,8 @@
 //! The tables of a file as bytes.
 
 use super::machines::Machine;
-use super::thumbnail;
+use crate::resin::bytes::Order;
+use crate::resin::preview::{rgb565, scaled};
 use crate::resin::{Motion, Print, Totals};
 
 /// Name and length.
@@ -104,15 +105,18 @@ fn extra_holds(print: &Print) -> bool {
     print.motion.lift2 > 0.0 || print.bottom_motion.lift2 > 0.0 || print.motion != print.bottom_motion
 }
 
+/// Size of the picture that machines show.
+const PREVIEW: [u32; 2] = [224, 168];
+
 /// `PREVIEW`: width, `x`, height, pixels.
 pub(super) fn preview(version: u32, print: &Print) -> Vec<u8> {
-    let [width, height] = thumbnail::SIZE;
+    let [width, height] = PREVIEW;
     let head = if version == 1 { 0 } else { TABLE_HEAD as u32 };
     let mut out = table("PREVIEW", head + 12 + 2 * width * height);
     u32s(&mut out, &[width]);
     text(&mut out, "x", 4);
     u32s(&mut out, &[height]);
-    out.extend(thumbnail::rgb565(&print.preview));
+    out.extend(rgb565(&scaled(&print.preview, width, height), Order::Little));
     out
 }
 
