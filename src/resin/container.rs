@@ -14,6 +14,12 @@ pub trait Container: Send + Sync {
     /// The format's name, such as `goo`.
     fn name(&self) -> &'static str;
 
+    /// Size of the largest picture of the part that is stored: the one that [`Print::preview`] should have
+    /// \[pixels\].
+    fn preview_size(&self) -> [u32; 2] {
+        [800, 480]
+    }
+
     /// Compresses a mask. Depends on nothing but its arguments, so that equal layers share the result
     /// and layers can be compressed side by side.
     fn encode(&self, mask: &MaskLayer, panel: &Panel) -> Vec<u8>;

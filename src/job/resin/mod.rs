@@ -81,7 +81,7 @@ pub fn run(
     warnings.extend_from_slice(&plate.warnings);
 
     progress.stage("slicing");
-    watch.stage("layers");
+    watch.stage("preview");
     let layers = layers_of(&plate, job, &name)?;
     let shading = Shading {
         sub_rows: settings.image.anti_aliasing,
@@ -92,7 +92,7 @@ pub fn run(
     let raster = Raster::new(panel, [x, y], &shading)?;
     let container =
         format.container(output, settings.machine.ctb_version).ok_or(JobError::NoWriter(format.name()))?;
-    let print = print(&plate, &layers, job, &panel);
+    let print = print(&plate, &layers, job, &panel, container.preview_size());
     let mut target = Target::create(output, format)?;
     let schedule = Schedule::new(settings, &panel);
     let offset = |layer: u32| machine::outline_offset(settings, &panel, layer);
@@ -211,14 +211,11 @@ fn layers_of(plate: &Plate, job: &ResinJob<'_>, name: &str) -> Result<Layers, Jo
     Ok(Layers { list, first: start })
 }
 
-/// Side of the picture from which previews are scaled \[pixels\].
-const PREVIEW: [u32; 2] = [800, 480];
-
-fn print(plate: &Plate, layers: &Layers, job: &ResinJob<'_>, panel: &Panel) -> Print {
+fn print(plate: &Plate, layers: &Layers, job: &ResinJob<'_>, panel: &Panel, preview: [u32; 2]) -> Print {
     Print {
         name: plain(&job.name),
         date: job.date,
-        preview: Arc::new(picture::preview::render(&plate.mesh, PREVIEW[0], PREVIEW[1])),
+        preview: Arc::new(picture::preview::render(&plate.mesh, preview[0], preview[1])),
         ..machine::print(job.settings, panel, layers.list.len() as u32)
     }
 }

@@ -33,6 +33,10 @@ impl Container for Anycubic {
         FORMAT
     }
 
+    fn preview_size(&self) -> [u32; 2] {
+        [224, 168]
+    }
+
     fn encode(&self, mask: &MaskLayer, panel: &Panel) -> Vec<u8> {
         runs::encode(mask, panel.width, panel.pixels())
     }

@@ -62,6 +62,10 @@ impl Container for Ctb {
         NAME
     }
 
+    fn preview_size(&self) -> [u32; 2] {
+        [400, 300]
+    }
+
     fn encode(&self, mask: &MaskLayer, panel: &Panel) -> Vec<u8> {
         encode::encode(mask, panel.pixels())
     }

@@ -38,6 +38,10 @@ impl Container for Goo {
         NAME
     }
 
+    fn preview_size(&self) -> [u32; 2] {
+        [290, 290]
+    }
+
     fn encode(&self, mask: &MaskLayer, panel: &Panel) -> Vec<u8> {
         encode::encode(mask, panel.pixels())
     }
