@@ -62,6 +62,25 @@ fn lit(mut crossings: &[(i64, bool)], panel: &Panel, left: i64) -> u64 {
     lit
 }
 
+/// A layer as it was drawn and as it should be.
+struct Layer {
+    number: usize,
+    lit: u64,
+    /// By the oracle; as drawn where there are greys.
+    expected: u64,
+    /// \[mm²\]
+    area: f64,
+    /// \[mm²\]
+    exact: f64,
+}
+
+impl Layer {
+    /// Relative error of its area.
+    fn error(&self) -> f64 {
+        (self.area / self.exact - 1.0).abs()
+    }
+}
+
 fn main() {
     let mut args = std::env::args().skip(1);
     let path = args.next().unwrap();
@@ -84,7 +103,7 @@ fn main() {
     let sections = Sections::new(&mesh, &planes, planes.len().div_ceil(16)).unwrap();
     let trace = TraceOptions { simplify_tolerance: None, ..TraceOptions::new(&SlicingSettings::default()) };
     let (left, bottom) = (-mesh.origin[0], -mesh.origin[1]);
-    let results: Vec<Vec<(usize, u64, u64, f64, f64)>> = (0..sections.runs().len())
+    let results: Vec<Vec<Layer>> = (0..sections.runs().len())
         .into_par_iter()
         .map(|run| {
             let planes = &planes[sections.runs()[run].clone()];
@@ -93,37 +112,37 @@ fn main() {
             let numbered = sections.runs()[run].clone().zip(masks).zip(contours);
             numbered
                 .map(|((number, mask), contours)| {
-                    let rings: Vec<Vec<Point2>> = contours.rings.iter().map(|r| r.to_vec()).collect();
+                    let rings = contours.rings;
                     let exact: f64 = rings.iter().map(|r| area(r)).sum();
-                    let mut expected = 0;
+                    let mut expected = mask.lit();
                     if sub_rows == 1 {
+                        expected = 0;
                         for row in 0..i64::from(panel.height) {
                             let t = bottom + row * panel.pitch_y + (panel.pitch_y + 1) / 2;
                             expected += lit(&crossings(&rings, t), &panel, left);
                         }
                     }
-                    (number, mask.lit(), expected, mask.area() * panel.pixel_mm2(), exact)
+                    Layer { number, lit: mask.lit(), expected, area: mask.area() * panel.pixel_mm2(), exact }
                 })
                 .collect()
         })
         .collect();
     let layers: Vec<_> = results.into_iter().flatten().collect();
-    let wrong = layers.iter().filter(|l| sub_rows == 1 && l.1 != l.2).count();
-    let (got, exact) = layers.iter().fold((0.0, 0.0), |(a, b), l| (a + l.3, b + l.4));
-    // Self-overlapping sections have a smaller area than the sum of their rings; there are none in the
-    // models that this is meant for.
-    let off = |l: &&(usize, u64, u64, f64, f64)| (l.3 / l.4 - 1.0).abs();
-    let large: Vec<_> = layers.iter().filter(|l| l.4 > 10.0).collect();
-    let worst = large.iter().max_by(|a, b| off(a).total_cmp(&off(b)));
+    let wrong = layers.iter().filter(|l| l.lit != l.expected).count();
+    let (area, exact) = layers.iter().fold((0.0, 0.0), |(a, b), l| (a + l.area, b + l.exact));
+    // Sections with overlapping shells have a smaller area than the sum of their rings; there are none in
+    // the models that this is meant for.
+    let large = layers.iter().filter(|l| l.exact > 10.0);
+    let worst = large.max_by(|a, b| a.error().total_cmp(&b.error()));
     println!(
         "{path}: {} layers, {sub_rows} sub-rows: {} pixels, {wrong} layers differ from the oracle; volume {:+.5} %; \
          worst layer above 10 mm2: {:.4} % (layer {}, {:.2} mm2)",
         layers.len(),
-        layers.iter().map(|l| l.1).sum::<u64>(),
-        (got / exact - 1.0) * 100.0,
-        worst.map_or(0.0, |l| off(l) * 100.0),
-        worst.map_or(0, |l| l.0),
-        worst.map_or(0.0, |l| l.4),
+        layers.iter().map(|l| l.lit).sum::<u64>(),
+        (area / exact - 1.0) * 100.0,
+        worst.map_or(0.0, |l| l.error() * 100.0),
+        worst.map_or(0, |l| l.number),
+        worst.map_or(0.0, |l| l.exact),
     );
     assert_eq!(wrong, 0);
 }

@@ -105,6 +105,7 @@ fn flag(key: &'static Key, technology: PrinterTechnology) -> Arg {
         .action(ArgAction::Set)
         .overrides_with(key.name);
     let arg = if dashed == key.name { arg } else { arg.alias(key.name) }.long(dashed);
+    let arg = if key.name == "anti_aliasing" { arg.visible_alias("antialias") } else { arg };
     match key.kind {
         // The value needs its "=", or `--cooling part.stl` would eat the file.
         Kind::Flag => arg.num_args(0..=1).require_equals(true).default_missing_value("1"),

@@ -20,6 +20,11 @@ pub trait Container: Send + Sync {
         [800, 480]
     }
 
+    /// What of the print the format cannot say, one line each for people.
+    fn losses(&self, _print: &Print) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Compresses a mask. Depends on nothing but its arguments, so that equal layers share the result
     /// and layers can be compressed side by side.
     fn encode(&self, mask: &MaskLayer, panel: &Panel) -> Vec<u8>;

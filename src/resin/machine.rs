@@ -73,7 +73,7 @@ pub fn print(settings: &Settings, panel: &Panel, layers: u32) -> Print {
         build_height: settings.printer.max_print_height,
         layers,
         layer_height: settings.slicing.layer_height,
-        first_layer_height: settings.exposure.initial_layer_height,
+        first_layer_height: settings.initial_height(),
         exposure: schedule.exposure,
         bottom_exposure: schedule.bottom_exposure,
         bottom_layers: schedule.bottom_layers,

@@ -102,13 +102,13 @@ impl Container for NanoDlp {
         let options = options(print);
         put(&mut zip, "options.json", &options)?;
         put(&mut zip, "slicer.json", &options)?;
-        zip.put("3d.png", &png::encode_preview(&print.preview, 607, 487)?, false)?;
+        zip.put("3d.png", &png::encode_preview(&print.preview, 607, 487)?)?;
         Ok(Box::new(NanoDlpSink { zip, print, layers: Vec::new(), bounds: None, top: 0.0 }))
     }
 }
 
 fn put(zip: &mut ZipSink<'_>, name: &str, value: &Value) -> io::Result<()> {
-    zip.put(name, &serde_json::to_vec(value)?, true)
+    zip.put(name, &serde_json::to_vec(value)?)
 }
 
 /// How the resin is to be cured.
@@ -194,7 +194,7 @@ impl LayerSink for NanoDlpSink<'_> {
         self.bounds = bounds.map(|b| b.join(self.bounds)).or(self.bounds);
         self.layers.push((info.area_mm2, bounds));
         self.top = self.top.max(info.z);
-        self.zip.put(&format!("{}.png", self.layers.len()), picture, false)
+        self.zip.put(&format!("{}.png", self.layers.len()), picture)
     }
 
     fn finish(mut self: Box<Self>, totals: &Totals) -> io::Result<()> {

@@ -143,7 +143,7 @@ impl Schedule {
 pub fn layers(z_min: i64, z_max: i64, settings: &Settings) -> Result<Vec<LayerZ>, PlaneError> {
     let heights = SlicingSettings {
         layer_height: settings.slicing.layer_height,
-        first_layer_height: FloatOrPercent::Float(settings.exposure.initial_layer_height),
+        first_layer_height: FloatOrPercent::Float(settings.initial_height()),
         ..SlicingSettings::default()
     };
     planes::layers(z_min, z_max, &heights).map_err(|e| match e {
@@ -330,6 +330,7 @@ mod tests {
             let s = schedule("prusa-sl1", &values);
             let mut settings = Settings::resin();
             settings.set("layer_height", height).unwrap();
+            settings.set("initial_layer_height", "0.05").unwrap();
             let list = layers(0, 2_000_000, &settings).unwrap();
             let sum: f64 = (0..).zip(&list).map(|(i, l)| s.time(&s.layer(i, l))).sum();
             assert!((sum - seconds).abs() < 1e-9, "{sum} for {values:?}");
@@ -346,8 +347,8 @@ mod tests {
             planes,
             [(50_000, 100_000, 100_000), (125_000, 150_000, 50_000), (175_000, 200_000, 50_000)]
         );
-        s.exposure.initial_layer_height = 0.0;
+        s.exposure.initial_layer_height = -1.0;
         let error = layers(0, 200_000, &s).unwrap_err().to_string();
-        assert!(error.starts_with("initial_layer_height is 0 mm"), "{error}");
+        assert!(error.starts_with("initial_layer_height is -1 mm"), "{error}");
     }
 }

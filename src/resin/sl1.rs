@@ -31,6 +31,18 @@ impl Container for Sl1 {
         "sl1"
     }
 
+    fn losses(&self, print: &Print) -> Vec<String> {
+        let mut losses = Vec::new();
+        if print.bottom_layers != FIRST_LAYERS {
+            losses.push(format!(
+                "sl1: the printer exposes its first {FIRST_LAYERS} layers in full and lets {} fade; {} bottom layers cannot be told to it",
+                fade(print),
+                print.bottom_layers
+            ));
+        }
+        losses
+    }
+
     fn encode(&self, mask: &MaskLayer, panel: &Panel) -> Vec<u8> {
         png::encode(mask, panel)
     }
@@ -47,10 +59,10 @@ impl Container for Sl1 {
         let mut zip = ZipSink::new(out, print.date);
         let settings = settings(print);
         let text: String = settings.iter().map(|(key, value)| format!("{key} = {value}\n")).collect();
-        zip.put(SETTINGS, text.as_bytes(), true)?;
+        zip.put(SETTINGS, text.as_bytes())?;
         for (width, height) in [(400, 400), (800, 480)] {
             let picture = png::encode_preview(&print.preview, width, height)?;
-            zip.put(&format!("thumbnail/thumbnail{width}x{height}.png"), &picture, false)?;
+            zip.put(&format!("thumbnail/thumbnail{width}x{height}.png"), &picture)?;
         }
         Ok(Box::new(Sl1Sink { zip, print, settings, slow: 0, layers: 0 }))
     }
@@ -135,7 +147,7 @@ impl LayerSink for Sl1Sink<'_> {
         self.slow += u32::from(info.area_mm2 > wide * high * percent / 100.0);
         let index = self.layers;
         self.layers += 1;
-        self.zip.put(&format!("{}{index:05}.png", job(self.print)), encoded, false)
+        self.zip.put(&format!("{}{index:05}.png", job(self.print)), encoded)
     }
 
     fn finish(mut self: Box<Self>, totals: &Totals) -> io::Result<()> {
@@ -163,7 +175,7 @@ impl LayerSink for Sl1Sink<'_> {
             ("usedMaterial", number(totals.volume_ml)),
         ];
         let text: String = lines.iter().map(|(key, value)| format!("{key} = {value}\n")).collect();
-        self.zip.put(CONFIG, text.as_bytes(), true)?;
+        self.zip.put(CONFIG, text.as_bytes())?;
         self.zip.finish()
     }
 }

@@ -65,12 +65,12 @@ impl<'a> StackSink<'a> {
     /// # Errors
     /// Those of the stream or folder.
     pub fn begin(mut sink: Sink<'a>, print: &'a Print, svg: bool) -> io::Result<Self> {
-        sink.put_text("settings.ini", print.config.as_bytes())?;
+        sink.put("settings.ini", print.config.as_bytes())?;
         // The sizes that UVtools gives to its own.
         sink.put("preview.png", &png::encode_preview(&print.preview, 854, 480)?)?;
         if !svg && matches!(sink, Sink::Zip(_)) {
             sink.put("preview_cropping.png", &png::encode_preview(&print.preview, 472, 240)?)?;
-            sink.put_text("manifest.uvtools", uvtools(print).as_bytes())?;
+            sink.put("manifest.uvtools", uvtools(print).as_bytes())?;
         }
         Ok(Self { sink, print, svg, layers: Vec::new() })
     }
@@ -89,11 +89,7 @@ impl<'a> StackSink<'a> {
 impl LayerSink for StackSink<'_> {
     fn layer(&mut self, info: &LayerInfo, encoded: &[u8]) -> io::Result<()> {
         let file = self.file();
-        if self.svg {
-            self.sink.put_text(&file, encoded)?;
-        } else {
-            self.sink.put(&file, encoded)?;
-        }
+        self.sink.put(&file, encoded)?;
         self.layers.push(manifest::Layer::new(file, info));
         Ok(())
     }
@@ -103,7 +99,7 @@ impl LayerSink for StackSink<'_> {
         let manifest = Manifest::new(self.print, self.svg, totals, layers);
         let mut text = serde_json::to_vec_pretty(&manifest)?;
         text.push(b'\n');
-        self.sink.put_text(MANIFEST, &text)?;
+        self.sink.put(MANIFEST, &text)?;
         self.sink.finish()
     }
 }

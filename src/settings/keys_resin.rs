@@ -14,7 +14,7 @@ const FACTOR: Kind = Number(0.5, 2.0);
 registry! {
     /// The settings of resin printers alone, grouped by stage.
     RESIN_KEYS of Resin:
-    Slicing exposure.initial_layer_height: Number(0.01, 10.0), "mm", "Thickness of the first layer";
+    Slicing exposure.initial_layer_height: Number(0.0, 10.0), "mm", "Thickness of the first layer; 0 = layer_height";
 
     Exposure exposure.exposure_time: TIME, "s", "Exposure of normal layers";
     Exposure exposure.initial_exposure_time: TIME, "s", "Exposure of bottom layers";

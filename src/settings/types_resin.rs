@@ -26,7 +26,7 @@ impl LengthOrPixels {
 /// How long and how brightly layers are lit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExposureSettings {
-    /// Thickness of the first layer \[mm\].
+    /// Thickness of the first layer \[mm\]; 0 = `layer_height`.
     pub initial_layer_height: f64,
     /// Exposure of normal layers \[s\].
     pub exposure_time: f64,
@@ -59,7 +59,7 @@ impl ExposureSettings {
 impl Default for ExposureSettings {
     fn default() -> Self {
         Self {
-            initial_layer_height: 0.05,
+            initial_layer_height: 0.0,
             exposure_time: 2.5,
             initial_exposure_time: 30.0,
             bottom_layers: 5,
@@ -292,6 +292,14 @@ impl Settings {
             settings.slicing.layer_height = 0.05;
         }
         settings
+    }
+
+    /// Thickness of the first layer of a resin print \[mm\].
+    pub fn initial_height(&self) -> f64 {
+        match self.exposure.initial_layer_height {
+            0.0 => self.slicing.layer_height,
+            height => height,
+        }
     }
 
     /// The technology that these settings are for.

@@ -75,10 +75,8 @@ impl Settings {
     }
 
     fn check_resin_layers(&self) -> Result<(), SettingsError> {
-        let heights = [
-            ("layer_height", self.slicing.layer_height),
-            ("initial_layer_height", self.exposure.initial_layer_height),
-        ];
+        let heights =
+            [("layer_height", self.slicing.layer_height), ("initial_layer_height", self.initial_height())];
         for (key, height) in heights {
             if !positive(height) {
                 return Err(self.invalid(

@@ -93,6 +93,7 @@ pub fn run(
     let container =
         format.container(output, settings.machine.ctb_version).ok_or(JobError::NoWriter(format.name()))?;
     let print = print(&plate, &layers, job, &panel, container.preview_size());
+    warnings.extend(container.losses(&print));
     let mut target = Target::create(output, format)?;
     let schedule = Schedule::new(settings, &panel);
     let offset = |layer: u32| machine::outline_offset(settings, &panel, layer);

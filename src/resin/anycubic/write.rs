@@ -37,6 +37,18 @@ impl Container for Anycubic {
         [224, 168]
     }
 
+    fn losses(&self, print: &Print) -> Vec<String> {
+        let mut losses = Vec::new();
+        let motions = [print.motion, print.bottom_motion];
+        if motions.iter().any(|m| m.rest_before_lift > 0.0 || m.rest_after_lift > 0.0) {
+            losses.push(format!("{}: holds no rests but the one before the exposure", self.name()));
+        }
+        if [print.light, print.bottom_light] != [u8::MAX; 2] {
+            losses.push(format!("{}: holds no light; the printer uses its own", self.name()));
+        }
+        losses
+    }
+
     fn encode(&self, mask: &MaskLayer, panel: &Panel) -> Vec<u8> {
         runs::encode(mask, panel.width, panel.pixels())
     }

@@ -23,7 +23,7 @@ mod tests;
 pub use encode::{canonical_grey, quantised};
 pub use read::open;
 
-use super::{Container, LayerSink, Print, WriteSeek};
+use super::{Container, LayerSink, Motion, Print, WriteSeek};
 use crate::mask::{MaskLayer, Panel};
 use std::io;
 
@@ -64,6 +64,17 @@ impl Container for Ctb {
 
     fn preview_size(&self) -> [u32; 2] {
         [400, 300]
+    }
+
+    fn losses(&self, print: &Print) -> Vec<String> {
+        let two_stages = |m: &Motion| m.lift2 > 0.0 || m.retract2 > 0.0;
+        if self.version == Version::Three && [print.motion, print.bottom_motion].iter().any(two_stages) {
+            return vec![
+                "ctb: version 3 moves in one stage, at the slower of two speeds; ctb_version 4 holds both"
+                    .to_owned(),
+            ];
+        }
+        Vec::new()
     }
 
     fn encode(&self, mask: &MaskLayer, panel: &Panel) -> Vec<u8> {
