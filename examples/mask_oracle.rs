@@ -12,31 +12,49 @@ use microtome::contour::{self, TraceOptions};
 use microtome::lattice::{self, Point2};
 use microtome::mask::Panel;
 use microtome::mask::antialias::Shading;
-use microtome::mask::raster::Raster;
+use microtome::mask::raster::{Painter, Raster};
 use microtome::mesh::{self, Adjacency, Placement};
 use microtome::resin::{machine, schedule};
 use microtome::settings::{SlicingSettings, printers};
 use microtome::slice::planes::plane_zs;
 use microtome::slice::section::Sections;
 use rayon::prelude::*;
+use std::cmp::Ordering;
+use std::sync::Arc;
 
-/// Crossings of a row of pixel centres with rings, rounded to nanometres as the rule says, and whether
-/// they go up.
-fn crossings(rings: &[Vec<Point2>], t: i64) -> Vec<(i64, bool)> {
-    let mut found = Vec::new();
-    for ring in rings {
-        for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
-            let (up, low, high) = if a.y < b.y { (true, a, b) } else { (false, b, a) };
-            if i64::from(low.y) < t && t <= i64::from(high.y) {
-                let (dx, dy) =
-                    (i128::from(high.x) - i128::from(low.x), i128::from(high.y) - i128::from(low.y));
-                let rise = i128::from(t) - i128::from(low.y);
-                // Rounded to the nearest, halves towards +x.
-                let x = i128::from(low.x) + (2 * dx * rise + dy).div_euclid(2 * dy);
-                found.push((x as i64, up));
-            }
-        }
-    }
+/// A side of a ring from its lower to its upper end, and whether the ring runs upwards there.
+#[derive(Clone, Copy)]
+struct Side {
+    low: Point2,
+    high: Point2,
+    up: bool,
+}
+
+/// The sides that are not level, by their lower ends.
+fn sloping(rings: &[Vec<Point2>]) -> Vec<Side> {
+    let side = |[a, b]: [Point2; 2]| match a.y.cmp(&b.y) {
+        Ordering::Less => Some(Side { low: a, high: b, up: true }),
+        Ordering::Greater => Some(Side { low: b, high: a, up: false }),
+        Ordering::Equal => None,
+    };
+    let mut found: Vec<Side> = sides(rings).into_iter().filter_map(side).collect();
+    found.sort_unstable_by_key(|s| s.low.y);
+    found
+}
+
+/// Where sides cross a row of pixel centres, rounded to nanometres as the rule says, and whether they go
+/// up there.
+fn crossings(sides: &[Side], t: i64) -> Vec<(i64, bool)> {
+    let cross = |s: &Side| {
+        let (dx, dy) =
+            (i128::from(s.high.x) - i128::from(s.low.x), i128::from(s.high.y) - i128::from(s.low.y));
+        let rise = i128::from(t) - i128::from(s.low.y);
+        // Rounded to the nearest, halves towards +x.
+        let x = i128::from(s.low.x) + (2 * dx * rise + dy).div_euclid(2 * dy);
+        (x as i64, s.up)
+    };
+    let meets = |s: &&Side| i64::from(s.low.y) < t && t <= i64::from(s.high.y);
+    let mut found: Vec<_> = sides.iter().filter(meets).map(cross).collect();
     found.sort_unstable();
     found
 }
@@ -95,6 +113,7 @@ fn main() {
     let [w, h] = panel.plate().map(lattice::mm);
     mesh::place(&mut mesh, &[[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]], Placement::DropAndCentre).unwrap();
     let adjacency = Adjacency::build(&mesh);
+    let open = adjacency.twin.contains(&mesh::OPEN);
     let [lo, hi] = mesh.world_bounds().unwrap();
     let layers = schedule::layers(lo[2], hi[2], &settings).unwrap();
     let planes = plane_zs(&layers, mesh.origin[2]);
@@ -108,18 +127,29 @@ fn main() {
         .map(|run| {
             let planes = &planes[sections.runs()[run].clone()];
             let contours = contour::trace(&mesh, &adjacency, planes, &trace).unwrap();
-            let masks = microtome::mask::layers::layers(&sections, run, &raster);
-            let numbered = sections.runs()[run].clone().zip(masks).zip(contours);
+            let mut masks = microtome::mask::layers(&sections, run, &raster);
+            let mut painter = Painter::new(&raster);
+            let numbered = sections.runs()[run].clone().zip(contours);
             numbered
-                .map(|((number, mask), contours)| {
+                .map(|(number, contours)| {
+                    let section = masks.next().unwrap();
+                    // A mesh with holes is drawn by its closed contours, as the program does.
+                    let mask = if open { Arc::new(painter.mask(&sides(&contours.rings))) } else { section };
                     let rings = contours.rings;
                     let exact: f64 = rings.iter().map(|r| area(r)).sum();
                     let mut expected = mask.lit();
                     if sub_rows == 1 {
                         expected = 0;
+                        let all = sloping(&rings);
+                        let (mut next, mut near) = (0, Vec::new());
                         for row in 0..i64::from(panel.height) {
                             let t = bottom + row * panel.pitch_y + (panel.pitch_y + 1) / 2;
-                            expected += lit(&crossings(&rings, t), &panel, left);
+                            while let Some(side) = all.get(next).filter(|s| i64::from(s.low.y) < t) {
+                                near.push(*side);
+                                next += 1;
+                            }
+                            near.retain(|s| t <= i64::from(s.high.y));
+                            expected += lit(&crossings(&near, t), &panel, left);
                         }
                     }
                     Layer { number, lit: mask.lit(), expected, area: mask.area() * panel.pixel_mm2(), exact }
@@ -145,6 +175,10 @@ fn main() {
         worst.map_or(0.0, |l| l.exact),
     );
     assert_eq!(wrong, 0);
+}
+
+fn sides(rings: &[Vec<Point2>]) -> Vec<[Point2; 2]> {
+    rings.iter().flat_map(|r| r.iter().zip(r.iter().cycle().skip(1)).map(|(&a, &b)| [a, b])).collect()
 }
 
 fn area(ring: &[Point2]) -> f64 {

@@ -189,7 +189,7 @@ impl Fields {
     pub fn f32(&mut self, name: &str) -> Result<f64, ReadError> {
         let value = f32::from_le_bytes(self.array(name)?);
         if value.is_finite() {
-            return Ok(f64::from(value));
+            return Ok(plain(value));
         }
         Err(self.damaged(name, value, "a finite number"))
     }
@@ -330,6 +330,11 @@ impl Put {
             Some(reason) => Err(io::Error::new(ErrorKind::InvalidInput, reason)),
         }
     }
+}
+
+/// The shortest decimal that is this float: 0.05, as its writer meant, and not 0.05000000074.
+pub fn plain(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or_else(|_| value.into())
 }
 
 #[cfg(test)]

@@ -71,6 +71,10 @@ impl Container for NanoDlp {
 
     /// The bounds of what is lit (16 bytes, zeros where nothing is), then the PNG: the description of the
     /// layers needs both.
+    fn preview_size(&self) -> [u32; 2] {
+        [607, 487]
+    }
+
     fn encode(&self, mask: &MaskLayer, panel: &Panel) -> Vec<u8> {
         let none = Bounds { left: 1, top: 0, right: 0, bottom: 0 };
         let bounds = Bounds::new(mask, panel.width).unwrap_or(none);

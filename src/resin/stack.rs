@@ -27,6 +27,10 @@ impl Container for PngStack {
         "png"
     }
 
+    fn preview_size(&self) -> [u32; 2] {
+        [854, 480]
+    }
+
     fn encode(&self, mask: &MaskLayer, panel: &Panel) -> Vec<u8> {
         png::encode(mask, panel)
     }

@@ -25,6 +25,10 @@ impl Container for SvgLayers {
         "svg"
     }
 
+    fn preview_size(&self) -> [u32; 2] {
+        [854, 480]
+    }
+
     fn encode(&self, mask: &MaskLayer, panel: &Panel) -> Vec<u8> {
         encode(mask, panel).into_bytes()
     }

@@ -4,6 +4,7 @@ use super::runs::{self, Fault};
 use super::tables::{RECORD, TABLE_HEAD, mark_length};
 use super::{FORMAT, MAGIC, bits, machine};
 use crate::mask::MaskLayer;
+use crate::resin::bytes::plain;
 use crate::resin::{Head, LayerInfo, Motion, ReadError, Reader};
 use std::io::{Read, Seek, SeekFrom};
 
@@ -246,11 +247,6 @@ fn word(bytes: &[u8], at: usize) -> u32 {
 fn number(bytes: &[u8], at: usize, what: &str) -> Result<f64, ReadError> {
     let value = f32::from_bits(word(bytes, at));
     if value.is_finite() { Ok(plain(value)) } else { Err(damaged(what, value, "a number")) }
-}
-
-/// The shortest decimal that is this f32: 0.05, not 0.05000000074.
-fn plain(value: f32) -> f64 {
-    value.to_string().parse().unwrap_or_else(|_| value.into())
 }
 
 /// Text up to the first zero.

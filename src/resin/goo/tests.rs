@@ -155,7 +155,7 @@ fn files_come_back() {
     let head = reader.head().clone();
     assert_eq!((head.width, head.height, head.layers, head.bottom_layers), (37, 21, 5, 2));
     assert_eq!((head.machine.as_str(), head.mirror), ("TEST Printer 3", Some([true, false])));
-    assert_eq!((head.time, head.volume_ml, head.exposure), (Some(1234.0), Some(2.5), f64::from(2.3f32)));
+    assert_eq!((head.time, head.volume_ml, head.exposure), (Some(1234.0), Some(2.5), 2.3));
     for index in [4, 0, 2, 1, 3, 4] {
         let (mask, info) = reader.layer(index).unwrap();
         assert_eq!(mask, layers[index as usize]);
