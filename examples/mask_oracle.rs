@@ -162,17 +162,19 @@ fn main() {
     let (area, exact) = layers.iter().fold((0.0, 0.0), |(a, b), l| (a + l.area, b + l.exact));
     // Sections with overlapping shells have a smaller area than the sum of their rings; there are none in
     // the models that this is meant for.
-    let large = layers.iter().filter(|l| l.exact > 10.0);
-    let worst = large.max_by(|a, b| a.error().total_cmp(&b.error()));
+    let large = || layers.iter().filter(|l| l.exact > 10.0);
+    let off = large().filter(|l| l.error() > 0.001).count();
+    let worst = large().max_by(|a, b| a.error().total_cmp(&b.error()));
     println!(
         "{path}: {} layers, {sub_rows} sub-rows: {} pixels, {wrong} layers differ from the oracle; volume {:+.5} %; \
-         worst layer above 10 mm2: {:.4} % (layer {}, {:.2} mm2)",
+         worst layer above 10 mm2: {:.4} % (layer {}, {:.2} mm2); {off} of {} such layers are off by more than 0.1 %",
         layers.len(),
         layers.iter().map(|l| l.lit).sum::<u64>(),
         (area / exact - 1.0) * 100.0,
         worst.map_or(0.0, |l| l.error() * 100.0),
         worst.map_or(0, |l| l.number),
         worst.map_or(0.0, |l| l.exact),
+        large().count(),
     );
     assert_eq!(wrong, 0);
 }

@@ -44,7 +44,7 @@ pub struct MaskArgs {
     #[arg(long, value_name = "MM", value_parser = reach)]
     pub check_reach: Option<f64>,
     /// Turn each model about the vertical, counter-clockwise from above
-    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true, value_parser = angle)]
     pub rotate: f64,
     /// Least distance between models on the plate
     #[arg(long, value_name = "MM", default_value_t = 3.0, value_parser = spacing)]
@@ -132,15 +132,25 @@ fn output(args: &MaskArgs, settings: &Settings) -> Result<(Format, PathBuf), Job
             first.with_extension(settings.output_extension(None)?)
         }
     };
+    if path == Path::new("-") {
+        return Err(OutputError {
+            path,
+            source: std::io::ErrorKind::Unsupported.into(),
+            remedy: "masks cannot go to standard output, as their heads are completed last; name a file with -o",
+        }
+        .into());
+    }
     if Format::is_folder(&path) {
         return Ok((Format::PngFolder, path));
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let extension = match name.ends_with(".svg.zip") {
-        true => "svg.zip",
-        false => name.rsplit('.').next().unwrap_or_default(),
+    let extension = match name.rsplit_once('.') {
+        Some(_) if name.ends_with(".svg.zip") => Some("svg.zip"),
+        Some((_, extension)) => Some(extension),
+        // A device such as /dev/null.
+        None => None,
     };
-    let extension = settings.output_extension(Some(extension))?;
+    let extension = settings.output_extension(extension)?;
     match Format::of_extension(extension) {
         Some(format) => Ok((format, path)),
         None => Err(JobError::NoFormat { path }),
@@ -201,6 +211,11 @@ fn reach(text: &str) -> Result<f64, String> {
     super::mesh_args::length(text, 0.0, 10.0)
 }
 
+fn angle(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok().filter(|v| v.abs() <= 3600.0);
+    value.ok_or_else(|| format!("`{text}` is no angle; give degrees, such as 45 or -12.5"))
+}
+
 fn spacing(text: &str) -> Result<f64, String> {
     super::mesh_args::length(text, 0.0, 1000.0)
 }
@@ -208,6 +223,12 @@ fn spacing(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn angles_are_read() {
+        assert_eq!(angle("-12.5"), Ok(-12.5));
+        assert!(angle("nan").is_err() && angle("inf").is_err() && angle("north").is_err());
+    }
 
     #[test]
     fn ranges_of_layers_are_read() {

@@ -39,7 +39,7 @@ impl Source {
         Ok(Self { stream, at: length, length, format })
     }
 
-    /// Length of the file [bytes].
+    /// Length of the file \[bytes\].
     pub fn length(&self) -> u64 {
         self.length
     }

@@ -72,9 +72,10 @@ impl Format {
         Self::ALL.into_iter().find(|f| f.extensions().contains(&extension))
     }
 
-    /// Whether an output is a folder: it ends in a slash, has no extension, or is one already.
+    /// Whether an output is a folder: it is one already, ends in a slash, or is new and has no extension.
     pub fn is_folder(path: &Path) -> bool {
-        path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/") || path.extension().is_none()
+        let new = || path.extension().is_none() && !path.exists();
+        path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/") || new()
     }
 
     /// The writer of the format for an output's name. `version` is `ctb_version` of the settings, 0
