@@ -97,34 +97,6 @@ pub(super) fn runs(
     }
 }
 
-/// Per run its lists of spans.
-pub(super) fn by_run(spans: Vec<Vec<Span>>, planes: usize, runs: &[Range<usize>]) -> Vec<Vec<Vec<Span>>> {
-    let mut run_of = vec![0u32; planes];
-    for (r, run) in runs.iter().enumerate() {
-        run_of[run.clone()].fill(r as u32);
-    }
-    let blocks: Vec<Vec<Vec<Span>>> = spans
-        .into_par_iter()
-        .map(|block| {
-            let mut lists = vec![Vec::new(); runs.len()];
-            for span in block {
-                let (from, to) = (run_of[span.first as usize], run_of[span.end as usize - 1]);
-                for list in &mut lists[from as usize..=to as usize] {
-                    list.push(span);
-                }
-            }
-            lists
-        })
-        .collect();
-    let mut per_run = vec![Vec::with_capacity(blocks.len()); runs.len()];
-    for block in blocks {
-        for (lists, list) in per_run.iter_mut().zip(block) {
-            lists.push(list);
-        }
-    }
-    per_run
-}
-
 /// Triangles sorted by a plane of the run.
 pub(super) struct Buckets {
     base: Vec<u32>,

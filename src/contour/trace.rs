@@ -14,6 +14,7 @@ use super::surface::Surface;
 use crate::lattice::nm;
 use crate::mesh::{Adjacency, Mesh};
 use crate::settings::SlicingSettings;
+use crate::slice::chunk;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -215,7 +216,7 @@ pub(super) fn trace_runs(
     if let [run] = runs {
         return trace_run(&spans, run);
     }
-    let lists = spans::by_run(spans, planes.len(), runs);
+    let lists = chunk::by_run(spans, planes.len(), runs, |span: &Span| span.first..span.end);
     let layers: Vec<_> =
         runs.par_iter().zip(lists).with_max_len(1).map(|(run, lists)| trace_run(&lists, run)).collect();
     layers.into_iter().flatten().collect()

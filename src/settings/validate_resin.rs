@@ -3,6 +3,7 @@
 use super::assign::Warning;
 use super::load::SettingsError;
 use super::types::Settings;
+use super::types_resin::ExposureSettings;
 
 /// Light does not cure deeper than this \[mm\], whatever the resin.
 const MAX_LAYER: f64 = 0.5;
@@ -168,10 +169,12 @@ impl Settings {
             warn("layer_height", "above 0.2 mm; few resins harden that deep");
         }
         if e.faded_layers > 0 {
-            for (key, layers) in
-                [("bottom_layers", e.bottom_layers), ("transition_layers", e.transition_layers)]
-            {
-                if layers > 0 {
+            let unset = ExposureSettings::default();
+            for (key, layers, unset) in [
+                ("bottom_layers", e.bottom_layers, unset.bottom_layers),
+                ("transition_layers", e.transition_layers, unset.transition_layers),
+            ] {
+                if layers > 0 && layers != unset {
                     warn(key, "has no effect while faded_layers is above 0; set one of them to 0");
                 }
             }
@@ -290,10 +293,7 @@ mod tests {
     fn oddities_are_only_warned_of() {
         let keys = |values| with(values).unwrap().into_iter().map(|w| w.key).collect::<Vec<_>>();
         assert_eq!(keys(&[("layer_height", "0.25")]), ["layer_height"]);
-        assert_eq!(
-            keys(&[("faded_layers", "10"), ("transition_layers", "2")]),
-            ["bottom_layers", "transition_layers"]
-        );
+        assert_eq!(keys(&[("faded_layers", "10"), ("transition_layers", "2")]), ["transition_layers"]);
         assert_eq!(keys(&[("initial_exposure_time", "1")]), ["initial_exposure_time"]);
         assert_eq!(
             keys(&[("lift_height", "0"), ("bottom_lift_height", "0")]),

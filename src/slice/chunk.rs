@@ -98,6 +98,44 @@ pub fn runs(per_plane: &[u64], limit: u64) -> Vec<Range<usize>> {
     runs
 }
 
+/// Per run its lists: what meets several runs is listed for each. `planes_of` are the planes that an item
+/// meets, not none; blocks and the items in them keep their order.
+pub fn by_run<T: Copy + Send>(
+    blocks: Vec<Vec<T>>,
+    planes: usize,
+    runs: &[Range<usize>],
+    planes_of: impl Fn(&T) -> Range<u32> + Sync,
+) -> Vec<Vec<Vec<T>>> {
+    if runs.len() < 2 {
+        return vec![blocks];
+    }
+    let mut run_of = vec![0u32; planes];
+    for (r, run) in runs.iter().enumerate() {
+        run_of[run.clone()].fill(r as u32);
+    }
+    let blocks: Vec<Vec<Vec<T>>> = blocks
+        .into_par_iter()
+        .map(|block| {
+            let mut lists = vec![Vec::new(); runs.len()];
+            for item in block {
+                let Range { start, end } = planes_of(&item);
+                let (from, to) = (run_of[start as usize], run_of[end as usize - 1]);
+                for list in &mut lists[from as usize..=to as usize] {
+                    list.push(item);
+                }
+            }
+            lists
+        })
+        .collect();
+    let mut per_run: Vec<Vec<Vec<T>>> = runs.iter().map(|_| Vec::with_capacity(blocks.len())).collect();
+    for block in blocks {
+        for (lists, list) in per_run.iter_mut().zip(block) {
+            lists.push(list);
+        }
+    }
+    per_run
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -121,7 +121,8 @@ impl<'a> Sections<'a> {
         weight.iter_mut().for_each(|w| *w += least);
         let total: u64 = weight.iter().sum();
         let runs = chunk::runs(&weight, total.div_ceil(runs.max(1) as u64));
-        let slabs = by_run(blocks.into_iter().map(|b| b.slabs).collect(), planes.len(), &runs);
+        let slabs = blocks.into_iter().map(|b| b.slabs).collect();
+        let slabs = chunk::by_run(slabs, planes.len(), &runs, |slab: &Slab| slab.from..slab.to);
         Ok(Self { mesh, planes, runs, slabs, changes })
     }
 
@@ -240,37 +241,6 @@ fn down_up(above: [bool; 3]) -> (usize, usize) {
     const UP: [u8; 8] = [0, 2, 0, 2, 1, 1, 0, 0];
     let set = usize::from(above[0]) | usize::from(above[1]) << 1 | usize::from(above[2]) << 2;
     (DOWN[set].into(), UP[set].into())
-}
-
-/// Per run its lists of slabs.
-fn by_run(blocks: Vec<Vec<Slab>>, planes: usize, runs: &[Range<usize>]) -> Vec<Vec<Vec<Slab>>> {
-    if runs.len() < 2 {
-        return vec![blocks];
-    }
-    let mut run_of = vec![0u32; planes];
-    for (r, run) in runs.iter().enumerate() {
-        run_of[run.clone()].fill(r as u32);
-    }
-    let blocks: Vec<Vec<Vec<Slab>>> = blocks
-        .into_par_iter()
-        .map(|block| {
-            let mut lists = vec![Vec::new(); runs.len()];
-            for slab in block {
-                let (from, to) = (run_of[slab.from as usize], run_of[slab.to as usize - 1]);
-                for list in &mut lists[from as usize..=to as usize] {
-                    list.push(slab);
-                }
-            }
-            lists
-        })
-        .collect();
-    let mut per_run = vec![Vec::with_capacity(blocks.len()); runs.len()];
-    for block in blocks {
-        for (lists, list) in per_run.iter_mut().zip(block) {
-            lists.push(list);
-        }
-    }
-    per_run
 }
 
 /// A sweep over a run of planes.
