@@ -13,8 +13,15 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Layers that are at most made at once by a thread, so that memory does not grow with the print.
-const LAYERS_AT_ONCE: usize = 64;
+/// Layers that are at most made at once by a thread, and by all threads, so that memory grows neither with
+/// the print nor with the machine.
+const LAYERS_AT_ONCE: [usize; 2] = [64, 512];
+
+/// Layers for each thread.
+fn layers_at_once(threads: usize) -> usize {
+    let [alone, together] = LAYERS_AT_ONCE;
+    (together / threads.max(1)).clamp(1, alone)
+}
 
 /// What is to be made.
 pub(super) struct Wanted<'a> {
@@ -75,7 +82,7 @@ impl Wanted<'_> {
         let done = Done { backend: cpu(reason), warning: None, contours: Vec::new() };
         let planes = &self.planes[from..];
         let threads = rayon::current_num_threads();
-        let runs = (2 * threads).max(planes.len().div_ceil(LAYERS_AT_ONCE));
+        let runs = (2 * threads).max(planes.len().div_ceil(layers_at_once(threads)));
         let sections = Sections::new(&self.plate.mesh, planes, runs)?;
         let numbers: Vec<usize> = (0..sections.runs().len()).collect();
         for wave in numbers.chunks(threads) {
@@ -104,11 +111,12 @@ impl Wanted<'_> {
     fn open(&self, sender: &Sender<Arc<Made>>) -> Result<Vec<LayerContours>, JobError> {
         let (mesh, adjacency) = (&self.plate.mesh, &self.plate.adjacency);
         let mut reports = Vec::with_capacity(self.planes.len());
-        let at_once = LAYERS_AT_ONCE * rayon::current_num_threads();
+        let threads = rayon::current_num_threads();
+        let at_once = layers_at_once(threads) * threads;
         for from in (0..self.planes.len()).step_by(at_once) {
             let run: Range<usize> = from..(from + at_once).min(self.planes.len());
             let traced = contour::trace(mesh, adjacency, &self.planes[run.clone()], self.trace)?;
-            let block = run.len().div_ceil(rayon::current_num_threads());
+            let block = run.len().div_ceil(threads);
             let made: Vec<Vec<Arc<Made>>> = traced
                 .par_chunks(block.max(1))
                 .enumerate()
@@ -155,5 +163,15 @@ pub(super) fn rings_to_edges(contours: &LayerContours, edges: &mut Vec<[Point2; 
     for ring in &contours.rings {
         let next = ring.iter().cycle().skip(1);
         edges.extend(ring.iter().zip(next).map(|(&a, &b)| [a, b]));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::layers_at_once;
+
+    #[test]
+    fn large_machines_take_no_more_memory() {
+        assert_eq!([1, 2, 8, 16, 64, 1024].map(layers_at_once), [64, 64, 64, 32, 8, 1]);
     }
 }
