@@ -71,8 +71,8 @@ pub enum JobError {
         problem: String,
     },
     /// A format that is only read.
-    #[error("{0} files can be read but not written; choose another format with -o")]
-    NoWriter(&'static str),
+    #[error("{}: such files can be read but not written; choose another format with -o", .0.display())]
+    NoWriter(PathBuf),
     /// An output whose name says nothing about its format.
     #[error("{}: no format of layer masks has this extension; give a name that ends in {} with -o, or a folder", path.display(), extensions())]
     NoFormat {

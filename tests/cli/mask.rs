@@ -168,6 +168,7 @@ fn what_the_printer_cannot_hold_is_refused_and_nothing_is_written() {
     refused(&mask(&bench, "thin.stl", "a.goo", &["--rotate", "10"]), 3, &["thin.stl", "lights a pixel"]);
     refused(&mask(&bench, "long.stl", "a.xyz", &[]), 4, &["xyz", ".goo"]);
     refused(&mask(&bench, "long.stl", "no/such/a.goo", &[]), 6, &["no/such/a.goo", "create the folder"]);
+    refused(&mask(&bench, "long.stl", "a.pm5s", &[]), 4, &["a.pm5s", "not written"]);
     refused(&mask(&bench, "long.stl", "-", &[]), 6, &["standard output", "name a file"]);
     refused(&mask(&bench, "no.stl", "a.goo", &[]), 3, &["no.stl"]);
     refused(&bench.run(["mask", "long.stl", "-o", "a.goo"]), 4, &["--printer"]);

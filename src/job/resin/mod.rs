@@ -90,8 +90,9 @@ pub fn run(
     };
     let [x, y, z] = plate.mesh.origin;
     let raster = Raster::new(panel, [x, y], &shading)?;
-    let container =
-        format.container(output, settings.machine.ctb_version).ok_or(JobError::NoWriter(format.name()))?;
+    let container = format
+        .container(output, settings.machine.ctb_version)
+        .ok_or(JobError::NoWriter(output.to_owned()))?;
     let print = print(&plate, &layers, job, &panel, container.preview_size());
     warnings.extend(container.losses(&print));
     let mut target = Target::create(output, format)?;
