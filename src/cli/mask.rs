@@ -7,7 +7,7 @@ use super::progress::Spinner;
 use super::report;
 use super::setting_flags::ResinFlags;
 use crate::job::JobError;
-use crate::job::output::{OutputError, OutputFile};
+use crate::job::output::OutputError;
 use crate::job::resin::{self, PlateOptions, ResinJob, ResinSummary};
 use crate::lattice::nm;
 use crate::mask::check::CheckSettings;
@@ -99,15 +99,13 @@ pub fn run(args: &MaskArgs) -> Result<(), CliError> {
         name: args.models.first().and_then(|m| m.file_stem()).unwrap_or_default().to_string_lossy().into(),
         date: super::source_date_epoch(),
         check: checked.then_some(check),
+        check_report: args.check_report.clone(),
         check_pictures: args.check_pictures.clone(),
     };
     let spinner = Spinner::new(args.run.quiet);
     let mut summary = resin::run(&args.models, &job, format, &output, &spinner)?;
     drop(spinner);
 
-    if let (Some(path), Some(check)) = (&args.check_report, &summary.check) {
-        write_report(path, check)?;
-    }
     summary.warnings.splice(0..0, given.warnings.iter().map(ToString::to_string));
     summary.ignored_settings = report::ignored_keys(&given.files);
     if !args.run.quiet {
@@ -155,16 +153,6 @@ fn output(args: &MaskArgs, settings: &Settings) -> Result<(Format, PathBuf), Job
         Some(format) => Ok((format, path)),
         None => Err(JobError::NoFormat { path }),
     }
-}
-
-fn write_report(path: &Path, check: &impl serde::Serialize) -> Result<(), JobError> {
-    let mut out = OutputFile::create(path)?;
-    serde_json::to_writer_pretty(&mut out, check)
-        .map_err(std::io::Error::from)
-        .and_then(|()| out.write_all(b"\n"))
-        .map_err(|e| OutputError::new(path, e))?;
-    out.commit()?;
-    Ok(())
 }
 
 /// The summary for people on stderr.

@@ -170,6 +170,8 @@ fn what_the_printer_cannot_hold_is_refused_and_nothing_is_written() {
     refused(&mask(&bench, "long.stl", "no/such/a.goo", &[]), 6, &["no/such/a.goo", "create the folder"]);
     refused(&mask(&bench, "long.stl", "a.pm5s", &[]), 4, &["a.pm5s", "not written"]);
     refused(&mask(&bench, "long.stl", "-", &[]), 6, &["standard output", "name a file"]);
+    let report = ["--check-report", "no/such/report.json"];
+    refused(&mask(&bench, "long.stl", "a.goo", &report), 6, &["no/such/report.json", "create the folder"]);
     refused(&mask(&bench, "no.stl", "a.goo", &[]), 3, &["no.stl"]);
     refused(&bench.run(["mask", "long.stl", "-o", "a.goo"]), 4, &["--printer"]);
     refused(

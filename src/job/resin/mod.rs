@@ -18,6 +18,7 @@ use super::backend::BackendOptions;
 use super::mask_check::CheckReport;
 use super::memory;
 use super::open::OpenContours;
+use super::output::{OutputError, OutputFile};
 use super::progress::Progress;
 use super::summary::Stopwatch;
 use crate::contour::TraceOptions;
@@ -34,6 +35,7 @@ use crate::slice::planes::{self, LayerZ, PlaneError};
 use layers::Wanted;
 use make::{Made, Maker};
 use plate::Plate;
+use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -56,6 +58,8 @@ pub struct ResinJob<'a> {
     pub date: i64,
     /// What islands, cups and trapped resin are looked for with; `None` = they are not.
     pub check: Option<CheckSettings>,
+    /// File for the report of the checks, as JSON.
+    pub check_report: Option<PathBuf>,
     /// Folder for pictures of the worst layers that the checks found.
     pub check_pictures: Option<PathBuf>,
 }
@@ -160,6 +164,9 @@ pub fn run(
     if let (Some(check), Some(settings), Some(folder)) = (&check, &job.check, &job.check_pictures) {
         pictures::draw(check, settings, &wanted, folder)?;
     }
+    if let (Some(check), Some(path)) = (&check, &job.check_report) {
+        write_report(path, check)?;
+    }
     warnings.extend(check.iter().flat_map(CheckReport::warnings));
     let bytes = target.commit()?;
     Ok(ResinSummary {
@@ -227,6 +234,17 @@ fn plain(name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' || c == '_' { c } else { '_' };
     let name: String = name.chars().take(60).map(plain).collect();
     if name.is_empty() { "print".to_owned() } else { name }
+}
+
+/// Before the masks appear: a report that cannot be written leaves no output behind.
+fn write_report(path: &Path, check: &CheckReport) -> Result<(), JobError> {
+    let mut out = OutputFile::create(path)?;
+    serde_json::to_writer_pretty(&mut out, check)
+        .map_err(std::io::Error::from)
+        .and_then(|()| out.write_all(b"\n"))
+        .map_err(|e| OutputError::new(path, e))?;
+    out.commit()?;
+    Ok(())
 }
 
 /// What is summed up while layers pass.
