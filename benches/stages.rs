@@ -5,7 +5,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use microtome::contour::{self, TraceOptions};
 use microtome::infill::{FillLayer, FillPlan, fill};
 use microtome::mesh::{self, Adjacency, Mesh, shapes};
-use microtome::region::perimeters::{WallPlan, walls};
+use microtome::region::perimeters::{Neighbours, WallPlan, walls};
 use microtome::region::{Island, areas};
 use microtome::settings::Settings;
 use microtome::slice;
@@ -56,7 +56,12 @@ fn stages(criterion: &mut Criterion) {
 
         let plan = WallPlan::new(&settings, settings.slicing.layer_height, false);
         let areas: Vec<_> = contours.iter().map(|c| areas::areas(&c.rings)).collect();
-        let islands = || areas.iter().map(|a| walls(a.clone(), &plan)).collect::<Vec<Vec<Island>>>();
+        let islands = || {
+            areas
+                .iter()
+                .map(|a| walls(a.clone(), &Neighbours::default(), &plan))
+                .collect::<Vec<Vec<Island>>>()
+        };
         group.bench_function("walls", |b| b.iter(islands));
 
         let islands = islands();

@@ -166,8 +166,8 @@ fn sample(settings: &Settings) -> Vec<LayerPlan> {
                     .flat_map(|depth| {
                         let inset = 225_000 + depth as i32 * 407_000;
                         [
-                            Wall { ring: ring(inset), depth, hole: false },
-                            Wall { ring: hole(inset), depth, hole: true },
+                            Wall { ring: ring(inset), depth, hole: false, overhang: Vec::new() },
+                            Wall { ring: hole(inset), depth, hole: true, overhang: Vec::new() },
                         ]
                     })
                     .collect();
@@ -175,10 +175,10 @@ fn sample(settings: &Settings) -> Vec<LayerPlan> {
                     let mut at = |_| {
                         Point2::new(x + random.below(20_000_000) as i32, y + random.below(20_000_000) as i32)
                     };
-                    FillPath { points: (0..5).map(&mut at).collect(), kind }
+                    FillPath { points: (0..5).map(&mut at).collect(), kind, layers: 1 }
                 };
                 let fills = [FillKind::Solid, FillKind::Sparse, FillKind::TopSolid, FillKind::Sparse];
-                PrintIsland { walls, fills: fills.into_iter().map(&mut line).collect() }
+                PrintIsland { walls, fills: fills.into_iter().map(&mut line).collect(), beads: Vec::new() }
             })
             .collect();
         islands.push(PrintIsland::default());

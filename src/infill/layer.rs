@@ -138,6 +138,7 @@ impl<'a> Rings<'a> {
             FillKind::Sparse => &areas.sparse,
             FillKind::Solid => &areas.solid,
             FillKind::TopSolid => &areas.top,
+            FillKind::Bridge | FillKind::InternalBridge => return,
         };
         if area.is_empty() {
             return;

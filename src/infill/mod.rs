@@ -20,6 +20,10 @@ pub enum FillKind {
     Solid,
     /// The topmost solid layer.
     TopSolid,
+    /// Solid infill over air, from one anchor to another.
+    Bridge,
+    /// Solid infill over sparse infill.
+    InternalBridge,
 }
 
 /// An open polyline to be extruded \[nm\]; at least two points.
@@ -29,6 +33,8 @@ pub struct FillPath {
     pub points: Vec<Point2>,
     /// What it is for.
     pub kind: FillKind,
+    /// Number of layers it is thick: 1, or more where sparse infill is combined.
+    pub layers: u32,
 }
 
 #[cfg(test)]

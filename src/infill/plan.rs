@@ -99,6 +99,7 @@ impl FillPlan {
             FillKind::Sparse => spacing / self.density,
             FillKind::Solid => own(0),
             FillKind::TopSolid => own(1),
+            FillKind::Bridge | FillKind::InternalBridge => own(0),
         }
     }
 

@@ -179,7 +179,7 @@ impl<'a> Sweep<'a> {
                 let length = self.points.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
                 if length >= self.style.least {
                     self.last = self.points.last().copied();
-                    found(FillPath { points: self.points.clone(), kind: self.style.kind });
+                    found(FillPath { points: self.points.clone(), kind: self.style.kind, layers: 1 });
                 }
             }
         }

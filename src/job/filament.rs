@@ -8,18 +8,18 @@ use super::open::OpenContours;
 use super::part::{self, MeshOptions, Part, PartOptions};
 use super::progress::Progress;
 use super::summary::{FilamentSummary, Stopwatch, Summary};
-use crate::contour::{LayerContours, Ring};
+use crate::contour::{ExPolygon, LayerContours, Ring};
 use crate::infill::FillLayer;
 use crate::lattice::{self, Point2};
 use crate::mesh::{self, Loaded, Placement};
 use crate::path::{LayerPlan, Planner, PrintIsland, PrintLayer, Role};
 use crate::region::offset::{Join, inset, outset};
-use crate::region::perimeters::{self, WallPlan};
+use crate::region::perimeters::WallPlan;
 use crate::region::{Island, areas};
 use crate::settings::Settings;
 use crate::settings::flow::{Flow, FlowRole};
 use crate::slice::planes::{self, LayerZ};
-use crate::{gcode, infill, support};
+use crate::{gcode, infill, region, support};
 use rayon::prelude::*;
 use std::io::Write;
 use std::path::Path;
@@ -116,8 +116,11 @@ fn plan_loaded(
 
     progress.stage("walls");
     watch.stage("walls");
-    let islands = walls(&traced.layers, &layers, settings);
+    let areas = outlines(&traced.layers, settings);
     drop(traced.layers);
+    let wall_plans: Vec<WallPlan> =
+        (0..).zip(&layers).map(|(i, z)| WallPlan::new(settings, lattice::mm(z.height), i == 0)).collect();
+    let islands = region::layers::all_walls(areas, &wall_plans);
     if islands.iter().flatten().all(|i| i.walls.is_empty() && i.infill.is_empty()) {
         let width_mm = WallPlan::new(settings, lattice::mm(layers[0].height), true).external_width as f64;
         return Err(JobError::Empty { model: name.to_owned(), width_mm: width_mm / lattice::NM_PER_MM });
@@ -244,21 +247,21 @@ fn skirt(islands: &[Vec<Island>], layers: &[LayerZ], settings: &Settings) -> Vec
     )
 }
 
-/// The areas, walls and infill borders of every layer.
-fn walls(contours: &[LayerContours], layers: &[LayerZ], settings: &Settings) -> Vec<Vec<Island>> {
-    let grow = lattice::nm(settings.slicing.xy_size_compensation);
+/// The areas of every layer, grown or shrunk as the settings ask.
+fn outlines(contours: &[LayerContours], settings: &Settings) -> Vec<Vec<ExPolygon>> {
+    let slicing = &settings.slicing;
     contours
         .par_iter()
-        .zip(layers)
         .enumerate()
-        .map(|(i, (contours, z))| {
-            let mut area = areas::areas(&contours.rings);
-            if grow > 0 {
-                area = outset(&area, grow, Join::Miter);
-            } else if grow < 0 {
-                area = inset(&area, -grow);
+        .map(|(i, contours)| {
+            let foot = if i == 0 { slicing.elefant_foot_compensation.nm(0) } else { 0 };
+            let grow = lattice::nm(slicing.xy_size_compensation) - foot;
+            let area = areas::areas(&contours.rings);
+            match grow {
+                0 => area,
+                1.. => outset(&area, grow, Join::Miter),
+                _ => inset(&area, -grow),
             }
-            perimeters::walls(area, &WallPlan::new(settings, lattice::mm(z.height), i == 0))
         })
         .collect()
 }
@@ -278,7 +281,7 @@ fn assemble(
         islands: islands
             .into_iter()
             .zip(fills)
-            .map(|(island, fills)| PrintIsland { walls: island.walls, fills })
+            .map(|(island, fills)| PrintIsland { walls: island.walls, beads: island.beads, fills })
             .collect(),
         skirt: if i < with_skirt { skirt.to_vec() } else { Vec::new() },
     };

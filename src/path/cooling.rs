@@ -78,6 +78,8 @@ mod tests {
             speed,
             length,
             retract: false,
+            height: 0.2,
+            fan: None,
         };
         LayerPlan { extrusions: speeds.iter().map(line).collect(), travel_seconds, ..LayerPlan::default() }
     }

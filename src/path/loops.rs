@@ -142,7 +142,7 @@ mod tests {
     use super::*;
 
     fn wall(ring: Vec<Point2>, depth: u32, hole: bool) -> Wall {
-        Wall { ring, depth, hole }
+        Wall { ring, depth, hole, overhang: Vec::new() }
     }
 
     /// The nests of one island, behind something that is there already.

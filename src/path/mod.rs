@@ -21,7 +21,7 @@ pub use role::Role;
 use crate::contour::Ring;
 use crate::infill::FillPath;
 use crate::lattice::Point2;
-use crate::region::Wall;
+use crate::region::{Bead, Wall};
 use crate::settings::Settings;
 use crate::slice::planes::LayerZ;
 use std::ops::Range;
@@ -42,6 +42,8 @@ pub struct PrintLayer {
 pub struct PrintIsland {
     /// Centre lines of the walls.
     pub walls: Vec<Wall>,
+    /// Thin walls and gap fill.
+    pub beads: Vec<Bead>,
     /// Infill lines.
     pub fills: Vec<FillPath>,
 }
@@ -85,6 +87,8 @@ pub struct Extrusion {
     pub points: Range<u32>,
     /// Width of the bead \[mm\].
     pub width: f64,
+    /// Height of the bead \[mm\]: the layer's, but for threads over air and infill of several layers.
+    pub height: f64,
     /// Cross-section \[mm²\], before `extrusion_multiplier`.
     pub mm3_per_mm: f64,
     /// Feed rate \[mm/s\].
@@ -93,6 +97,8 @@ pub struct Extrusion {
     pub length: f64,
     /// Pull the filament back on the way to its first point.
     pub retract: bool,
+    /// Fan speed while it is printed \[%\]; `None` = the layer's.
+    pub fan: Option<f64>,
 }
 
 /// Plans all layers; `start` is where the nozzle stands at first \[nm, the mesh's frame\].

@@ -230,10 +230,12 @@ impl Sheet<'_> {
             role,
             points: first as u32..points.len() as u32,
             width: line.width,
+            height: mm(self.out.height),
             mm3_per_mm: line.mm3_per_mm,
             speed: if may_be_small && length <= SMALL_PERIMETER { line.small_speed } else { line.speed },
             length,
             retract: travel > 0.0 && travel >= self.settings.retraction.retract_before_travel,
+            fan: None,
         });
         end
     }
@@ -252,8 +254,8 @@ mod tests {
     }
 
     fn walls(rings: Vec<(Vec<Point2>, u32, bool)>) -> PrintIsland {
-        let wall = |(ring, depth, hole)| Wall { ring, depth, hole };
-        PrintIsland { walls: rings.into_iter().map(wall).collect(), fills: Vec::new() }
+        let wall = |(ring, depth, hole)| Wall { ring, depth, hole, overhang: Vec::new() };
+        PrintIsland { walls: rings.into_iter().map(wall).collect(), ..PrintIsland::default() }
     }
 
     fn travel(layer: &LayerPlan, start: Point2) -> f64 {
@@ -290,9 +292,10 @@ mod tests {
         let line = |y: i32| FillPath {
             points: vec![Point2::new(0, y), Point2::new(20_000_000, y)],
             kind: FillKind::Sparse,
+            layers: 1,
         };
         let fills = (0..60).rev().map(|i| line(i * 1_000_000)).collect();
-        let island = PrintIsland { walls: Vec::new(), fills };
+        let island = PrintIsland { fills, ..PrintIsland::default() };
         let plans = plan(&[layer(vec![island])], Point2::default(), &Settings::default());
         assert!((travel(&plans[0], Point2::default()) - 59.0).abs() < 1e-9);
         assert!(plans[0].extrusions.iter().all(|e| !e.retract));
@@ -303,9 +306,10 @@ mod tests {
         let line = |y: i32| FillPath {
             points: vec![Point2::new(0, y), Point2::new(9_000_000, y)],
             kind: FillKind::TopSolid,
+            layers: 1,
         };
         let fills: Vec<_> = (0..9).rev().map(|i| line(i * 1_000_000)).collect();
-        let printed = layer(vec![PrintIsland { walls: Vec::new(), fills: fills.clone() }]);
+        let printed = layer(vec![PrintIsland { fills: fills.clone(), ..PrintIsland::default() }]);
         let plans = plan(&[printed], Point2::default(), &Settings::default());
         let paths: Vec<_> = plans[0].extrusions.iter().map(|e| plans[0].path(e).to_vec()).collect();
         assert!(paths.iter().eq(fills.iter().map(|f| &f.points)));
@@ -318,7 +322,7 @@ mod tests {
         ]);
         let points = vec![Point2::new(1_000_000, 1_000_000), Point2::new(29_000_000, 1_000_000)];
         for kind in [FillKind::TopSolid, FillKind::Solid, FillKind::Sparse] {
-            island.fills.push(FillPath { points: points.clone(), kind });
+            island.fills.push(FillPath { points: points.clone(), kind, layers: 1 });
         }
         let mut printed = layer(vec![island]);
         printed.skirt.push(rectangle(-9_000_000, -9_000_000, 39_000_000, 39_000_000));

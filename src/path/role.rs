@@ -116,6 +116,7 @@ impl Role {
             FillKind::Sparse => Self::InternalInfill,
             FillKind::Solid => Self::SolidInfill,
             FillKind::TopSolid => Self::TopSolidInfill,
+            FillKind::Bridge | FillKind::InternalBridge => Self::BridgeInfill,
         }
     }
 

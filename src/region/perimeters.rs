@@ -77,13 +77,22 @@ impl WallPlan {
     }
 }
 
+/// The layers that touch a layer.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Neighbours<'a> {
+    /// Areas of the layer below; `None` on the first layer, which lies on the bed.
+    pub below: Option<&'a [ExPolygon]>,
+    /// Areas of the layer above; `None` on the last.
+    pub above: Option<&'a [ExPolygon]>,
+}
+
 /// Walls and infill border of a layer's areas, as PrusaSlicer spaces them. One island per area, in the
-/// same order.
+/// same order, whose outline is the area.
 ///
 /// The external wall's centre line runs half its width inside the outline, the others a spacing further
 /// in each. A wall is left out where it would come nearer than 0.6 spacings to itself. An area that
 /// falls apart on the way inwards stays one island.
-pub fn walls(areas: Vec<ExPolygon>, plan: &WallPlan) -> Vec<Island> {
+pub fn walls(areas: Vec<ExPolygon>, _neighbours: &Neighbours, plan: &WallPlan) -> Vec<Island> {
     areas.into_iter().map(|outline| island(outline, plan)).collect()
 }
 
@@ -96,7 +105,9 @@ fn island(outline: ExPolygon, plan: &WallPlan) -> Island {
         let next = if depth + 1 < plan.count { plan.step(depth + 1).0 } else { plan.infill_inset() };
         lines = lines.into_iter().flat_map(|line| centre_lines(line, distance, radius, next)).collect();
         for Line { polygon, .. } in &lines {
-            let wall = |hole: bool| move |ring: &Ring| Wall { ring: ring.clone(), depth, hole };
+            let wall = |hole: bool| {
+                move |ring: &Ring| Wall { ring: ring.clone(), depth, hole, overhang: Vec::new() }
+            };
             walls.push(wall(false)(&polygon.contour));
             walls.extend(polygon.holes.iter().map(wall(true)));
         }
@@ -107,7 +118,7 @@ fn island(outline: ExPolygon, plan: &WallPlan) -> Island {
         Inner::Untried => offset::inset(&[line.polygon], border),
         Inner::Unproven => offset::raw_inset(&line.polygon, border as f64),
     });
-    Island { outline, walls, infill: infill.collect() }
+    Island { outline, walls, beads: Vec::new(), infill: infill.collect() }
 }
 
 /// An area bounded by centre lines of walls, and what is known of the next step inwards.
@@ -222,11 +233,11 @@ mod tests {
     #[test]
     fn the_walls_of_a_square_lie_where_the_plan_says() {
         let square = ExPolygon { contour: rectangle(0, 0, 10_000_000, 10_000_000), holes: vec![] };
-        let islands = walls(vec![square], &plan(3));
+        let islands = walls(vec![square], &Neighbours::default(), &plan(3));
         assert_eq!(islands.len(), 1);
         let at = |d: i32| rectangle(d, d, 10_000_000 - d, 10_000_000 - d);
         for (wall, (depth, d)) in islands[0].walls.iter().zip([(0, 225_000), (1, 635_000), (2, 1_055_000)]) {
-            assert_eq!(*wall, Wall { ring: at(d), depth, hole: false });
+            assert_eq!(*wall, Wall { ring: at(d), depth, ..Wall::default() });
         }
         // Half a spacing less the overlap, plus 5 % of an infill line's spacing.
         assert_eq!(islands[0].infill[0].contour, at(1_055_000 + 210_000 - 100_000 + 20_000));
@@ -236,10 +247,10 @@ mod tests {
     fn a_wall_needs_six_tenths_of_its_spacing() {
         let strip = |w: i32| vec![ExPolygon { contour: rectangle(0, 0, 10_000_000, w), holes: vec![] }];
         // External: width 0.45 + 0.6 * 0.4 for the two centre lines to be 0.24 apart.
-        assert_eq!(walls(strip(680_000), &plan(2))[0].walls.len(), 0);
-        assert_eq!(walls(strip(700_000), &plan(2))[0].walls.len(), 1);
+        assert_eq!(walls(strip(680_000), &Neighbours::default(), &plan(2))[0].walls.len(), 0);
+        assert_eq!(walls(strip(700_000), &Neighbours::default(), &plan(2))[0].walls.len(), 1);
         // Second: another 2 * 0.41 for the way and 0.6 * 0.42 for the room, less what the first needs.
-        assert_eq!(walls(strip(1_500_000), &plan(2))[0].walls.len(), 1);
-        assert_eq!(walls(strip(1_540_000), &plan(2))[0].walls.len(), 2);
+        assert_eq!(walls(strip(1_500_000), &Neighbours::default(), &plan(2))[0].walls.len(), 1);
+        assert_eq!(walls(strip(1_540_000), &Neighbours::default(), &plan(2))[0].walls.len(), 2);
     }
 }

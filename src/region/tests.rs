@@ -3,7 +3,7 @@
 use super::areas::areas;
 use super::boolean::{self, Winding};
 use super::offset::{self, Join};
-use super::perimeters::{self, WallPlan};
+use super::perimeters::{self, Neighbours, WallPlan};
 use super::wavefront;
 use crate::contour::{ExPolygon, Ring, nest};
 use crate::lattice::Point2;
@@ -284,7 +284,7 @@ fn no_wall_comes_too_near_the_outline() {
     let seed = 0x5EED_0004;
     let mut random = Random(seed);
     for case in 0..150 {
-        for island in perimeters::walls(random.shapes(), &PLAN) {
+        for island in perimeters::walls(random.shapes(), &Neighbours::default(), &PLAN) {
             for wall in &island.walls {
                 let least = 210_000.0 + f64::from(wall.depth) * 390_000.0 - 10_000.0;
                 let near = |r: &Ring| gap(r, &wall.ring).min(gap(&wall.ring, r));
@@ -301,9 +301,9 @@ fn walls_move_and_mirror_with_their_areas() {
     let mut random = Random(seed);
     for case in 0..100 {
         let shapes = random.shapes();
-        let islands = perimeters::walls(shapes.clone(), &PLAN);
+        let islands = perimeters::walls(shapes.clone(), &Neighbours::default(), &PLAN);
         let (dx, dy) = (random.range(-9, 9) * 100_000_007, random.range(-9, 9) * 99_999_989);
-        let moved = perimeters::walls(map(&shapes, |r| shifted(r, dx, dy)), &PLAN);
+        let moved = perimeters::walls(map(&shapes, |r| shifted(r, dx, dy)), &Neighbours::default(), &PLAN);
         for (a, b) in islands.iter().zip(&moved) {
             assert_eq!(map(&a.infill, |r| shifted(r, dx, dy)), b.infill, "seed {seed:#x}, case {case}");
             assert_eq!(a.walls.len(), b.walls.len(), "seed {seed:#x}, case {case}");
@@ -312,7 +312,7 @@ fn walls_move_and_mirror_with_their_areas() {
             }
         }
         let mirror = |r: &Ring| reversed(r.iter().map(|p| Point2::new(-p.x, p.y)).collect());
-        let mirrored = perimeters::walls(map(&shapes, mirror), &PLAN);
+        let mirrored = perimeters::walls(map(&shapes, mirror), &Neighbours::default(), &PLAN);
         let sum = |islands: &[super::Island]| islands.iter().map(|i| area(&i.infill)).sum::<f64>();
         let error = sum(&islands) - sum(&mirrored);
         assert!(error.abs() < 0.05, "seed {seed:#x}, case {case}: {error} mm2");

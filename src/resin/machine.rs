@@ -52,7 +52,8 @@ pub fn outline_offset(settings: &Settings, panel: &Panel, index: u32) -> [i64; 2
     let pitches =
         if panel.portrait { [panel.pitch_y, panel.pitch_x] } else { [panel.pitch_x, panel.pitch_y] };
     pitches.map(|pitch| {
-        let foot = if count > 0 { i.elefant_foot_compensation.nm(pitch) * left / count } else { 0 };
+        let foot =
+            if count > 0 { settings.slicing.elefant_foot_compensation.nm(pitch) * left / count } else { 0 };
         i.absolute_correction.nm(pitch) - foot
     })
 }

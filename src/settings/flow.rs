@@ -31,9 +31,26 @@ pub enum FlowRole {
 pub struct Flow {
     /// Full width of the bead \[mm\].
     pub width: f64,
-    /// Thickness of the layer \[mm\].
+    /// Thickness of the layer, or diameter of a round thread \[mm\].
     pub height: f64,
+    /// What lies on top of each other: see [`Flow::bridging`].
+    pub section: Section,
 }
+
+/// Cross-section of a bead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Section {
+    /// Pressed flat between layers.
+    Rounded,
+    /// The same with its volume multiplied by this.
+    Scaled(f64),
+    /// A thread that hangs in air.
+    Round,
+}
+
+/// Threads in air lie this much further apart than they are thick \[mm\], as in PrusaSlicer, since they
+/// cannot be pressed into each other.
+const THREAD_GAP: f64 = 0.05;
 
 /// Share of its height by which the rounded flanks of a bead narrow it: 1 - pi/4.
 const ROUNDING: f64 = 1.0 - PI / 4.0;
@@ -60,17 +77,35 @@ impl Flow {
         };
         let first_width = if first { given(w.first_layer_extrusion_width) } else { None };
         let width = first_width.or_else(|| given(own)).or_else(|| given(w.extrusion_width)).unwrap_or(auto);
-        Self { width, height }
+        Self { width, height, section: Section::Rounded }
+    }
+
+    /// The flow of a role where it bridges air: with `thick_bridges` a round thread whose section is the
+    /// nozzle's times `bridge_flow_ratio`, else the role's own line with its volume times that ratio.
+    pub fn bridging(role: FlowRole, height: f64, first: bool, settings: &Settings) -> Self {
+        let ratio = settings.infill.bridge_flow_ratio;
+        if settings.infill.thick_bridges {
+            let diameter = settings.printer.nozzle_diameter * ratio.sqrt();
+            return Self { width: diameter, height: diameter, section: Section::Round };
+        }
+        Self { section: Section::Scaled(ratio), ..Self::new(role, height, first, settings) }
     }
 
     /// Distance between the centre lines of neighbouring beads \[mm\].
     pub fn spacing(self) -> f64 {
-        self.width - self.height * ROUNDING
+        match self.section {
+            Section::Round => self.width + THREAD_GAP,
+            _ => self.width - self.height * ROUNDING,
+        }
     }
 
     /// Cross-section \[mm²\], which is mm³ of plastic per mm of line.
     pub fn mm3_per_mm(self) -> f64 {
-        self.height * self.spacing()
+        match self.section {
+            Section::Rounded => self.height * self.spacing(),
+            Section::Scaled(ratio) => ratio * self.height * self.spacing(),
+            Section::Round => PI / 4.0 * self.width * self.width,
+        }
     }
 
     /// Width on the lattice \[nm\].
@@ -90,11 +125,27 @@ mod tests {
 
     #[test]
     fn the_rounded_rectangle_is_the_textbooks() {
-        let f = Flow { width: 0.45, height: 0.2 };
+        let f = Flow { width: 0.45, height: 0.2, section: Section::Rounded };
         // A rectangle of (w - h) x h between two half discs of diameter h.
         let area = (0.45 - 0.2) * 0.2 + PI * 0.1 * 0.1;
         assert!((f.mm3_per_mm() - area).abs() < 1e-12);
         assert!((f.spacing() - 0.407_079_632_679_489_7).abs() < 1e-12);
+    }
+
+    #[test]
+    fn bridges_are_threads_of_the_nozzles_bore() {
+        let mut s = Settings::default();
+        s.infill.bridge_flow_ratio = 0.81;
+        let f = Flow::bridging(FlowRole::SolidInfill, 0.2, false, &s);
+        assert!((f.width - 0.36).abs() < 1e-12 && (f.spacing() - 0.41).abs() < 1e-12);
+        assert!((f.mm3_per_mm() - PI * 0.18 * 0.18).abs() < 1e-12);
+        s.infill.thick_bridges = false;
+        let (thin, own) = (
+            Flow::bridging(FlowRole::SolidInfill, 0.2, false, &s),
+            Flow::new(FlowRole::SolidInfill, 0.2, false, &s),
+        );
+        assert_eq!(thin.width, own.width);
+        assert!((thin.mm3_per_mm() - 0.81 * own.mm3_per_mm()).abs() < 1e-12);
     }
 
     #[test]

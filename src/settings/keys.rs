@@ -2,7 +2,9 @@
 
 use super::assign::quote;
 use super::keys_resin::RESIN_KEYS;
-use super::kind::Kind::{self, Choice, Count, Flag, Number, NumberOrPercent, Percent, Points, Text};
+use super::kind::Kind::{
+    self, Choice, Count, Flag, LengthOrPixels, Number, NumberOrPercent, Percent, Points, Text,
+};
 use super::kind::Stage;
 use super::kind::Technology;
 use super::types::{PrinterTechnology, Settings};
@@ -98,19 +100,24 @@ const SPEED: Kind = Number(0.0, 10_000.0);
 /// A speed or a percentage of another one.
 const SPEED_OF: Kind = NumberOrPercent(0.0, 10_000.0, 1000.0);
 const SKIN_PATTERNS: Kind = Choice(
-    &["rectilinear", "monotonic", "alignedrectilinear"],
-    &["monotoniclines", "concentric", "hilbertcurve", "archimedeanchords", "octagramspiral"],
+    &["rectilinear", "monotonic", "monotoniclines", "alignedrectilinear"],
+    &["concentric", "hilbertcurve", "archimedeanchords", "octagramspiral"],
 );
 const SPARSE_PATTERNS: Kind = Choice(
-    &["rectilinear", "alignedrectilinear", "monotonic"],
     &[
+        "rectilinear",
+        "alignedrectilinear",
+        "monotonic",
+        "line",
+        "zigzag",
         "grid",
         "triangles",
         "stars",
         "cubic",
-        "line",
-        "concentric",
         "honeycomb",
+    ],
+    &[
+        "concentric",
         "3dhoneycomb",
         "gyroid",
         "hilbertcurve",
@@ -119,7 +126,6 @@ const SPARSE_PATTERNS: Kind = Choice(
         "adaptivecubic",
         "supportcubic",
         "lightning",
-        "zigzag",
     ],
 );
 
@@ -135,6 +141,7 @@ registry! {
     Slicing slicing.resolution: Number(0.0, 10.0), "mm", "Tolerance of contour simplification; 0 keeps every point";
     Slicing slicing.slice_closing_radius: Number(0.0, 10.0), "mm", "Gaps in a contour up to twice this are closed";
     Slicing slicing.xy_size_compensation: Number(-10.0, 10.0), "mm", "Grows (+) or shrinks (-) every layer's outline in XY";
+    Slicing slicing.elefant_foot_compensation: @both LengthOrPixels(0.0, 10.0, 500.0), "mm", "Shrinks the first layer's outline in XY";
 
     Widths widths.extrusion_width: WIDTH, "mm", "Line width where the widths below are 0; % of the layer height; 0 = automatic";
     Widths widths.first_layer_extrusion_width: WIDTH, "mm", "Line width of the whole first layer; % of its height; 0 = as on other layers";
@@ -147,6 +154,11 @@ registry! {
     Perimeters perimeters.perimeters: Count(0, 1000), "", "Number of walls";
     Perimeters perimeters.external_perimeters_first: Flag, "", "Print the outermost wall before the inner ones";
     Perimeters perimeters.seam_position: Choice(&["random", "nearest", "aligned", "rear"], &[]), "", "Where loops start";
+    Perimeters perimeters.extra_perimeters: Flag, "", "Add walls where a slope would else show infill";
+    Perimeters perimeters.thin_walls: Flag, "", "Print walls too thin for a loop as one line of varying width";
+    Perimeters perimeters.gap_fill_enabled: Flag, "", "Fill what walls leave between them with lines of varying width";
+    Perimeters perimeters.overhangs: Flag, "", "Print walls over air as bridges";
+    Perimeters perimeters.top_one_perimeter_type: Choice(&["none", "top", "topmost"], &[]), "", "Which top surfaces have one wall only";
 
     Infill infill.fill_density: Percent(0.0, 100.0), "%", "Density of sparse infill";
     Infill infill.fill_pattern: SPARSE_PATTERNS, "", "Pattern of sparse infill";
@@ -161,6 +173,14 @@ registry! {
     Infill infill.solid_infill_below_area: Number(0.0, 1e6), "mm²", "Sparse areas smaller than this become solid";
     Infill infill.solid_infill_every_layers: Count(0, 100_000), "", "Every N-th layer is solid; 0 = never";
     Infill infill.infill_first: Flag, "", "Print infill before the walls";
+    Infill infill.infill_anchor: NumberOrPercent(0.0, 1000.0, 100_000.0), "mm", "Length of a sparse line's end along the wall; % of the line's width; 0 = none";
+    Infill infill.infill_anchor_max: NumberOrPercent(0.0, 1000.0, 100_000.0), "mm", "Longest link along a wall between two sparse lines; % of the line's width; 0 = none";
+    Infill infill.infill_every_layers: Count(1, 100_000), "layers", "Print sparse infill every N-th layer, N layers thick as far as the nozzle allows";
+    Infill infill.ensure_vertical_shell_thickness: Choice(&["disabled", "partial", "enabled"], &[]), "", "Add solid infill beside shallow slopes, so that the shell stays as thick as asked";
+    Infill infill.external_infill_margin: Number(0.0, 100.0), "mm", "How far top, bottom and bridge skins reach into the part beyond what is exposed";
+    Infill infill.bridge_angle: Number(0.0, 360.0), "°", "Direction of bridges; 0 = the best one of each";
+    Infill infill.bridge_flow_ratio: Number(0.01, 2.0), "", "Factor on the flow of bridges";
+    Infill infill.thick_bridges: Flag, "", "Bridges are threads as thick as the nozzle's bore instead of lines of the layer's height";
 
     Adhesion adhesion.skirts: Count(0, 1000), "", "Loops around the print; 0 = none";
     Adhesion adhesion.skirt_distance: Number(0.0, 1000.0), "mm", "Distance between skirt and print";
@@ -174,6 +194,8 @@ registry! {
     Speed speed.solid_infill_speed: SPEED_OF, "mm/s", "Speed of solid infill; % of infill_speed";
     Speed speed.top_solid_infill_speed: SPEED_OF, "mm/s", "Speed of topmost solid infill; % of solid_infill_speed";
     Speed speed.first_layer_speed: SPEED_OF, "mm/s", "Speed of the first layer; % of each line's own speed";
+    Speed speed.bridge_speed: SPEED, "mm/s", "Speed of bridges and of walls over air";
+    Speed speed.gap_fill_speed: SPEED, "mm/s", "Speed of gap fill";
     Speed speed.travel_speed: SPEED, "mm/s", "Speed of moves without extrusion";
     Speed speed.travel_speed_z: SPEED, "mm/s", "Speed of vertical moves; 0 = travel_speed";
     Speed speed.max_volumetric_speed: Number(0.0, 10_000.0), "mm³/s", "Limit of volumetric flow; 0 = none";
@@ -190,6 +212,7 @@ registry! {
     Cooling cooling.fan_always_on: @each Flag, "", "Keep the fan at min_fan_speed at least";
     Cooling cooling.min_fan_speed: @each Number(0.0, 100.0), "%", "Least fan speed";
     Cooling cooling.max_fan_speed: @each Number(0.0, 100.0), "%", "Fan speed of the shortest layers";
+    Cooling cooling.bridge_fan_speed: @each Number(0.0, 100.0), "%", "Fan speed of bridges and of walls over air";
     Cooling cooling.disable_fan_first_layers: @each Count(0, 100_000), "layers", "The fan stays off for this many layers";
     Cooling cooling.full_fan_speed_layer: @each Count(0, 100_000), "", "The fan ramps up to full speed at this layer; 0 = no ramp";
     Cooling cooling.fan_below_layer_time: @each Number(0.0, 1e5), "s", "Layers shorter than this turn the fan on";

@@ -56,7 +56,6 @@ registry! {
     Image image.relative_correction_x: FACTOR, "", "Factor on the model's x";
     Image image.relative_correction_y: FACTOR, "", "Factor on the model's y";
     Image image.relative_correction_z: FACTOR, "", "Factor on the model's z";
-    Image image.elefant_foot_compensation: LengthOrPixels(0.0, 10.0, 500.0), "mm", "Shrinks the first layer's outline in XY";
     Image image.elefant_foot_compensation_layers: LAYERS, "layers", "Layers over which that shrinking falls linearly to nothing";
 
     Display display.display_width: Number(0.0, 2000.0), "mm", "Length of the lit area along display_pixels_x; 0 = unknown";

@@ -19,6 +19,7 @@ pub mod printers;
 mod suggest;
 mod toml;
 pub mod types;
+mod types_part;
 mod types_resin;
 mod validate;
 mod validate_resin;
@@ -31,6 +32,7 @@ pub use kind::{Kind, Stage, Technology};
 pub use list::{reference, terminal_list};
 pub use load::{LoadReport, SettingsError, load_bytes, load_file};
 pub use types::*;
+pub use types_part::*;
 pub use types_resin::*;
 pub use validate::Invalid;
 

@@ -19,8 +19,10 @@ impl FloatOrPercent {
     }
 }
 
+use super::types_part::{InfillSettings, PerimeterSettings};
 use super::types_resin::{
-    DisplaySettings, ExposureSettings, ImageSettings, LiftSettings, MachineSettings, MaterialSettings,
+    DisplaySettings, ExposureSettings, ImageSettings, LengthOrPixels, LiftSettings, MachineSettings,
+    MaterialSettings,
 };
 use FloatOrPercent::{Float, Percent};
 
@@ -85,6 +87,9 @@ pub struct SlicingSettings {
     pub slice_closing_radius: f64,
     /// Grows (+) or shrinks (-) every layer's outline in XY \[mm\].
     pub xy_size_compensation: f64,
+    /// Shrinks the first layer's outline in XY, which the bed squashes or the light bleeds outwards \[mm\];
+    /// pixels on resin printers only.
+    pub elefant_foot_compensation: LengthOrPixels,
 }
 
 impl Default for SlicingSettings {
@@ -99,6 +104,7 @@ impl Default for SlicingSettings {
             resolution: 0.0,
             slice_closing_radius: 0.049,
             xy_size_compensation: 0.0,
+            elefant_foot_compensation: LengthOrPixels::Length(0.0),
         }
     }
 }
@@ -137,100 +143,6 @@ impl Default for WidthSettings {
     }
 }
 
-/// Walls.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PerimeterSettings {
-    /// Number of walls.
-    pub perimeters: u32,
-    /// Print the outermost wall before the inner ones.
-    pub external_perimeters_first: bool,
-    /// Where loops start.
-    pub seam_position: SeamPosition,
-}
-
-impl Default for PerimeterSettings {
-    fn default() -> Self {
-        Self { perimeters: 3, external_perimeters_first: false, seam_position: SeamPosition::Aligned }
-    }
-}
-
-/// Where loops start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SeamPosition {
-    /// A pseudo-random vertex, derived from the loop's content.
-    Random,
-    /// The best corner near the nozzle.
-    Nearest,
-    /// The best corner near the seam of the layer below.
-    #[default]
-    Aligned,
-    /// The vertex furthest back (largest y).
-    Rear,
-}
-
-/// Skins and infill.
-#[derive(Clone, Debug, PartialEq)]
-pub struct InfillSettings {
-    /// Density of sparse infill \[%\], 0..=100.
-    pub fill_density: f64,
-    /// Pattern of sparse infill.
-    pub fill_pattern: FillPattern,
-    /// Pattern of top skins.
-    pub top_fill_pattern: FillPattern,
-    /// Pattern of bottom skins.
-    pub bottom_fill_pattern: FillPattern,
-    /// Angle of the first family of lines \[degrees\], counter-clockwise from +x.
-    pub fill_angle: f64,
-    /// How far infill reaches into the innermost wall \[mm\], or % of the wall's width.
-    pub infill_overlap: FloatOrPercent,
-    /// Solid layers under every top surface.
-    pub top_solid_layers: u32,
-    /// Solid layers over every bottom surface.
-    pub bottom_solid_layers: u32,
-    /// Least thickness of the top shell \[mm\].
-    pub top_solid_min_thickness: f64,
-    /// Least thickness of the bottom shell \[mm\].
-    pub bottom_solid_min_thickness: f64,
-    /// Sparse areas smaller than this become solid \[mm²\].
-    pub solid_infill_below_area: f64,
-    /// Every N-th layer is solid; 0 = never.
-    pub solid_infill_every_layers: u32,
-    /// Print infill before the walls.
-    pub infill_first: bool,
-}
-
-impl Default for InfillSettings {
-    fn default() -> Self {
-        Self {
-            fill_density: 20.0,
-            fill_pattern: FillPattern::Rectilinear,
-            top_fill_pattern: FillPattern::Monotonic,
-            bottom_fill_pattern: FillPattern::Monotonic,
-            fill_angle: 45.0,
-            infill_overlap: Percent(25.0),
-            top_solid_layers: 3,
-            bottom_solid_layers: 3,
-            top_solid_min_thickness: 0.0,
-            bottom_solid_min_thickness: 0.0,
-            solid_infill_below_area: 70.0,
-            solid_infill_every_layers: 0,
-            infill_first: false,
-        }
-    }
-}
-
-/// Infill patterns.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FillPattern {
-    /// Parallel lines, turned by 90 degrees from layer to layer.
-    #[default]
-    Rectilinear,
-    /// Rectilinear, all lines of a region laid in one sweep direction.
-    Monotonic,
-    /// Rectilinear without the turn.
-    AlignedRectilinear,
-}
-
 /// Skirt.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AdhesionSettings {
@@ -267,6 +179,10 @@ pub struct SpeedSettings {
     pub top_solid_infill_speed: FloatOrPercent,
     /// First layer: an absolute speed, or % of each line's own.
     pub first_layer_speed: FloatOrPercent,
+    /// Bridges and walls over air.
+    pub bridge_speed: f64,
+    /// Gap fill.
+    pub gap_fill_speed: f64,
     /// Moves without extrusion.
     pub travel_speed: f64,
     /// Vertical moves; 0 = `travel_speed`.
@@ -285,6 +201,8 @@ impl Default for SpeedSettings {
             solid_infill_speed: Float(20.0),
             top_solid_infill_speed: Float(15.0),
             first_layer_speed: Float(30.0),
+            bridge_speed: 60.0,
+            gap_fill_speed: 20.0,
             travel_speed: 130.0,
             travel_speed_z: 0.0,
             max_volumetric_speed: 0.0,
@@ -336,6 +254,8 @@ pub struct CoolingSettings {
     pub min_fan_speed: f64,
     /// Fan speed of the shortest layers \[%\].
     pub max_fan_speed: f64,
+    /// Fan speed of bridges and walls over air \[%\].
+    pub bridge_fan_speed: f64,
     /// The fan stays off for this many layers.
     pub disable_fan_first_layers: u32,
     /// The fan ramps up to full speed at this layer; 0 = no ramp.
@@ -355,6 +275,7 @@ impl Default for CoolingSettings {
             fan_always_on: false,
             min_fan_speed: 35.0,
             max_fan_speed: 100.0,
+            bridge_fan_speed: 100.0,
             disable_fan_first_layers: 3,
             full_fan_speed_layer: 0,
             fan_below_layer_time: 60.0,

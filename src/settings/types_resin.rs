@@ -172,8 +172,6 @@ pub struct ImageSettings {
     pub relative_correction_y: f64,
     /// Factor on the model's z.
     pub relative_correction_z: f64,
-    /// Shrinks the first layers' outline.
-    pub elefant_foot_compensation: LengthOrPixels,
     /// Layers over which that falls linearly to nothing.
     pub elefant_foot_compensation_layers: u32,
 }
@@ -188,7 +186,6 @@ impl Default for ImageSettings {
             relative_correction_x: 1.0,
             relative_correction_y: 1.0,
             relative_correction_z: 1.0,
-            elefant_foot_compensation: LengthOrPixels::Length(0.0),
             elefant_foot_compensation_layers: 1,
         }
     }

@@ -4,6 +4,7 @@ use super::assign::Warning;
 use super::flow::{Flow, FlowRole};
 use super::load::SettingsError;
 use super::types::{FloatOrPercent, GcodeFlavor, Settings};
+use super::types_resin::LengthOrPixels;
 
 /// A value that cannot work together with others.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -156,6 +157,8 @@ impl Settings {
             ("solid_infill_speed", solid),
             ("top_solid_infill_speed", s.top_solid_infill_speed.of(solid)),
             ("first_layer_speed", s.first_layer_speed.of(s.perimeter_speed)),
+            ("bridge_speed", s.bridge_speed),
+            ("gap_fill_speed", s.gap_fill_speed),
             ("travel_speed", s.travel_speed),
         ];
         match speeds.iter().find(|(_, v)| !(*v > 0.0 && v.is_finite())) {
@@ -200,6 +203,10 @@ impl Settings {
     }
 
     fn check_extrusion(&self) -> Result<(), SettingsError> {
+        if let LengthOrPixels::Pixels(_) = self.slicing.elefant_foot_compensation {
+            let problem = "a filament printer has no pixels";
+            return Err(self.invalid("elefant_foot_compensation", problem, "give millimetres"));
+        }
         let i = &self.infill;
         let skins = i.top_solid_layers > 0 || i.bottom_solid_layers > 0 || i.solid_infill_every_layers > 0;
         let min_skins = i.top_solid_min_thickness > 0.0 || i.bottom_solid_min_thickness > 0.0;
@@ -321,6 +328,11 @@ mod tests {
             (&[("perimeter_speed", "0")], "perimeter_speed = 0: stands still"),
             (&[("external_perimeter_speed", "0%")], "external_perimeter_speed = 0%: stands still"),
             (&[("travel_speed", "0")], "travel_speed = 0: stands still"),
+            (&[("bridge_speed", "0")], "bridge_speed = 0: stands still"),
+            (
+                &[("elefant_foot_compensation", "2px")],
+                "elefant_foot_compensation = 2px: a filament printer has no",
+            ),
             (&[("bed_shape", "0x0,10x10")], "bed_shape = 0x0,10x10: fewer than 3 points"),
             (&[("bed_shape", "0x0,10x10,20x20")], "bed_shape = 0x0,10x10,20x20: encloses less than 1 mm²"),
             (&[("bed_shape", "0x0,9000x0,0x9000")], "bed_shape = 0x0,9000x0,0x9000: larger than 2000 mm"),

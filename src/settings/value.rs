@@ -1,7 +1,8 @@
 //! Text → value → text, in PrusaSlicer's syntax.
 
 use super::kind::Kind;
-use super::types::{FillPattern, FloatOrPercent, GcodeFlavor, PrinterTechnology, SeamPosition};
+use super::types::{FloatOrPercent, GcodeFlavor, PrinterTechnology};
+use super::types_part::{FillPattern, OnePerimeter, SeamPosition, VerticalShell};
 use super::types_resin::{ContainerFormat, DisplayOrientation, LengthOrPixels};
 
 /// Why a text is not a value.
@@ -228,12 +229,36 @@ macro_rules! named {
 }
 
 named!(SeamPosition: Random = "random", Nearest = "nearest", Aligned = "aligned", Rear = "rear");
-named!(FillPattern: Rectilinear = "rectilinear", Monotonic = "monotonic", AlignedRectilinear = "alignedrectilinear");
+named!(OnePerimeter: None = "none", Top = "top", Topmost = "topmost");
+named!(FillPattern: Rectilinear = "rectilinear", Monotonic = "monotonic", MonotonicLines = "monotoniclines",
+    AlignedRectilinear = "alignedrectilinear", Line = "line", ZigZag = "zigzag", Grid = "grid", Triangles = "triangles",
+    Stars = "stars", Cubic = "cubic", Honeycomb = "honeycomb");
 named!(GcodeFlavor: Reprap = "reprap", Reprapfirmware = "reprapfirmware", Marlin = "marlin", Marlin2 = "marlin2",
     Klipper = "klipper");
 
 named!(DisplayOrientation: Landscape = "landscape", Portrait = "portrait");
 named!(PrinterTechnology: Fff = "FFF", Sla = "SLA");
+
+/// A flag up to PrusaSlicer 2.5, a choice since 2.6.
+impl Value for VerticalShell {
+    fn read(text: &str, _: &Kind) -> Result<Self, Problem> {
+        match text {
+            "disabled" | "0" => Ok(Self::Disabled),
+            "partial" => Ok(Self::Partial),
+            "enabled" | "1" => Ok(Self::Enabled),
+            _ => Err("is not a choice here".into()),
+        }
+    }
+
+    fn write(&self, _: &Kind) -> String {
+        match self {
+            Self::Disabled => "disabled",
+            Self::Partial => "partial",
+            Self::Enabled => "enabled",
+        }
+        .to_owned()
+    }
+}
 
 impl Value for ContainerFormat {
     fn read(text: &str, _: &Kind) -> Result<Self, Problem> {

@@ -124,8 +124,9 @@ fn length(ring: &[Point2]) -> f64 {
 mod tests {
     use super::*;
     use crate::lattice::area2;
+    use crate::settings::flow::Section;
 
-    const FLOW: Flow = Flow { width: 0.45, height: 0.2 };
+    const FLOW: Flow = Flow { width: 0.45, height: 0.2, section: Section::Rounded };
 
     /// Distance of a point to a segment \[mm\].
     fn to_segment(p: Point2, a: Point2, b: Point2) -> f64 {

@@ -45,7 +45,7 @@ pub fn circle(x: f64, y: f64, radius: f64, corners: usize) -> Ring {
 pub fn island(contour: Ring, holes: Vec<Ring>) -> Island {
     let holes = holes.into_iter().map(|h| h.into_iter().rev().collect()).collect();
     let outline = ExPolygon { contour, holes };
-    Island { infill: vec![outline.clone()], outline, walls: Vec::new() }
+    Island { infill: vec![outline.clone()], outline, ..Island::default() }
 }
 
 /// Layers of equal height.
