@@ -1,15 +1,17 @@
-//! All layers: outlines on rows, areas by kind, lines.
+//! All layers: regions on rows, areas by kind, lines.
 
-use super::border::Border;
+use super::bridge::{Bridge, over_air, over_sparse};
+use super::combine::{Thick, combine};
+use super::patterns::{self, Sparse};
 use super::rectilinear::{Style, lay};
+use super::regions::{Compared, Regions};
 use super::skin::{Areas, Level, divide};
 use super::{FillKind, FillPath, FillPlan};
-use crate::lattice::Point2;
+use crate::contour::Ring;
 use crate::region::Island;
-use crate::span::algebra::and_row;
-use crate::span::{RowFrame, Rows, RowsBuilder, Trace, scan, trace};
+use crate::span::algebra::or;
+use crate::span::{RowFrame, Rows, Trace, scan};
 use rayon::prelude::*;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// One layer as the infill stage sees it.
@@ -25,64 +27,61 @@ pub struct FillLayer<'a> {
 
 /// Fills all layers of an object, lowest first: layer → island → paths.
 ///
-/// Paths of an island come kind by kind (sparse, solid, top), region by region, and in the order in
-/// which they are to be laid; the lines of a solid region are laid in one sweep if that order and the
+/// Paths of an island come kind by kind (sparse, bridges, solid, top), region by region, and in the order
+/// in which they are to be laid; the lines of a solid region are laid in one sweep if that order and the
 /// paths' directions are kept. Every path stays within 2 nm of the island's infill areas.
+///
+/// Areas are compared on one family of rows, those of [`FillPlan::area_frame`]; lines of other directions
+/// or distances carry them over to their own rows.
 ///
 /// Rows lie at fixed places of the mesh frame, so a border parallel to them may be up to one spacing
 /// away from the nearest line. The spacing counts the lines alone: the links between them come on top.
 pub fn fill(layers: &[FillLayer], plan: &FillPlan) -> Vec<Vec<Vec<FillPath>>> {
-    let frames = [false, true].map(|turned| plan.area_frame(turned));
+    let frame = plan.area_frame();
     let levels: Vec<Level> =
         layers.iter().map(|l| Level { top: l.print_z, bottom: l.print_z - l.height }).collect();
-    let outlines = outlines(layers, &frames, plan);
-    let families = [0, 1].map(|f: usize| outlines.iter().map(|o| &o[f]).collect::<Vec<_>>());
+    let outlines = on_rows(layers, &frame, |i| i.outline.rings());
+    let own = on_rows(layers, &frame, |i| i.infill.iter().flat_map(|e| e.rings()));
+    let mut areas = divided(&own, &outlines, &levels, &frame, plan);
+    let bridges = bridges(&mut areas, &own, &outlines, &frame, plan);
+    let sparse = combine(&mut areas, &levels, plan);
     layers
         .par_iter()
         .enumerate()
         .map(|(i, layer)| {
-            let rings = Rings::new(layer.islands);
-            let mut out = vec![Vec::new(); layer.islands.len()];
-            for turned in [false, true] {
-                let kinds: Vec<_> = KINDS.into_iter().filter(|&k| plan.is_turned(k, i) == turned).collect();
-                if kinds.is_empty() || rings.rings.is_empty() {
-                    continue;
-                }
-                let frame = &frames[usize::from(turned)];
-                let own = trace(rings.rings.iter().copied(), frame);
-                let areas = divide(i, &own.rows, &families[usize::from(turned)], &levels, frame, plan);
-                for kind in kinds {
-                    rings.fill(kind, i, &areas, &own, frame, plan, &mut out);
+            let regions = Regions::new(layer.islands);
+            let mut filling = Filling {
+                compared: Compared { regions: &regions, own: &own[i], frame: &frame },
+                plan,
+                layer: i,
+                traces: Vec::new(),
+                out: vec![Vec::new(); layer.islands.len()],
+            };
+            filling.sparse(&sparse[i], layer.print_z);
+            for (bridges, kind) in bridges[i].iter().zip([FillKind::InternalBridge, FillKind::Bridge]) {
+                for bridge in bridges {
+                    filling.straight(&bridge.rows, kind, &plan.bridge_frame(bridge.degrees, kind, i));
                 }
             }
-            out
+            filling.straight(&areas[i].solid, FillKind::Solid, &plan.line_frame(FillKind::Solid, i));
+            filling.straight(&areas[i].top, FillKind::TopSolid, &plan.line_frame(FillKind::TopSolid, i));
+            filling.out
         })
         .collect()
 }
 
-/// Every layer's outlines on the rows of both families, as far as they are needed. A layer like the
-/// one below shares its rows.
-fn outlines(layers: &[FillLayer], frames: &[RowFrame; 2], plan: &FillPlan) -> Vec<Arc<[Rows; 2]>> {
-    let needed =
-        [false, true].map(|turned| (0..2).any(|i| KINDS.iter().any(|&k| plan.is_turned(k, i) == turned)));
-    let same = |i: usize| {
-        let (a, b) = (layers[i].islands, layers[i - 1].islands);
-        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.outline == b.outline)
-    };
-    let scanned: Vec<Option<Arc<[Rows; 2]>>> = layers
-        .par_iter()
-        .enumerate()
-        .map(|(i, layer)| {
-            if i > 0 && same(i) {
-                return None;
-            }
-            Some(Arc::new([0, 1].map(|f| {
-                if !needed[f] {
-                    return Rows::default();
-                }
-                let rings = layer.islands.iter().flat_map(|i| i.outline.rings());
-                scan(rings.map(|r| &r[..]), &frames[f])
-            })))
+/// Some rings of every layer on the rows of `frame`. A layer like the one below shares its rows.
+fn on_rows<'a, R: Iterator<Item = &'a Ring>>(
+    layers: &[FillLayer<'a>],
+    frame: &RowFrame,
+    rings: impl Fn(&'a Island) -> R + Sync,
+) -> Vec<Arc<Rows>> {
+    let of = |i: usize| layers[i].islands.iter().flat_map(&rings);
+    let scanned: Vec<Option<Arc<Rows>>> = (0..layers.len())
+        .into_par_iter()
+        .map(|i| {
+            let is_same = i > 0 && of(i).eq(of(i - 1));
+            (!is_same).then(|| Arc::new(scan(of(i).map(|r| &r[..]), frame)))
         })
         .collect();
     let mut last = Arc::default();
@@ -94,112 +93,100 @@ fn outlines(layers: &[FillLayer], frames: &[RowFrame; 2], plan: &FillPlan) -> Ve
     shared
 }
 
-const KINDS: [FillKind; 3] = [FillKind::Sparse, FillKind::Solid, FillKind::TopSolid];
-
-/// The infill areas of a layer, flattened.
-#[derive(Default)]
-struct Rings<'a> {
-    rings: Vec<&'a [Point2]>,
-    /// Per region (one `ExPolygon`) its rings.
-    regions: Vec<Range<usize>>,
-    region_of_ring: Vec<u32>,
-    island_of_region: Vec<usize>,
+/// Every layer's areas.
+fn divided(
+    own: &[Arc<Rows>],
+    outlines: &[Arc<Rows>],
+    levels: &[Level],
+    frame: &RowFrame,
+    plan: &FillPlan,
+) -> Vec<Areas> {
+    let outlines: Vec<&Rows> = outlines.iter().map(|o| &**o).collect();
+    own.par_iter().enumerate().map(|(i, own)| divide(i, own, &outlines, levels, frame, plan)).collect()
 }
 
-impl<'a> Rings<'a> {
-    fn new(islands: &'a [Island]) -> Self {
-        let mut all = Self::default();
-        for (i, island) in islands.iter().enumerate() {
-            for area in &island.infill {
-                let begin = all.rings.len();
-                all.rings.extend(area.rings().map(|r| &r[..]));
-                all.region_of_ring.resize(all.rings.len(), all.regions.len() as u32);
-                all.regions.push(begin..all.rings.len());
-                all.island_of_region.push(i);
+/// Takes the bridges out of every layer's areas, those over sparse infill and those over air; what is
+/// left of the skins over air becomes solid.
+fn bridges(
+    areas: &mut [Areas],
+    own: &[Arc<Rows>],
+    outlines: &[Arc<Rows>],
+    frame: &RowFrame,
+    plan: &FillPlan,
+) -> Vec<[Vec<Bridge>; 2]> {
+    let internal: Vec<(Option<Rows>, Vec<Bridge>)> = (0..areas.len())
+        .into_par_iter()
+        .map(|i| {
+            let Some(below) = i.checked_sub(1).map(|b| &areas[b].sparse) else { return Default::default() };
+            if areas[i].solid.is_empty() || below.is_empty() {
+                return Default::default();
             }
+            let mut solid = areas[i].solid.clone();
+            let found = over_sparse(&own[i], &mut solid, below, frame, plan);
+            ((!found.is_empty()).then_some(solid), found)
+        })
+        .collect();
+    areas
+        .par_iter_mut()
+        .zip(internal)
+        .enumerate()
+        .map(|(i, (areas, (solid, internal)))| {
+            if let Some(solid) = solid {
+                areas.solid = solid;
+            }
+            if areas.bottom.is_empty() {
+                return [internal, Vec::new()];
+            }
+            let mut bottom = std::mem::take(&mut areas.bottom);
+            let below = i.checked_sub(1).and_then(|b| outlines.get(b));
+            let found =
+                below.map_or_else(Vec::new, |below| over_air(&own[i], &mut bottom, below, frame, plan));
+            areas.solid = or(&areas.solid, &bottom);
+            [internal, found]
+        })
+        .collect()
+}
+
+/// The lines of one layer in the making.
+struct Filling<'a> {
+    compared: Compared<'a>,
+    plan: &'a FillPlan,
+    layer: usize,
+    /// The regions on the lines used so far.
+    traces: Vec<(RowFrame, Trace)>,
+    /// Island → paths.
+    out: Vec<Vec<FillPath>>,
+}
+
+impl Filling<'_> {
+    /// Lays the sparse infill.
+    fn sparse(&mut self, parts: &[Thick], print_z: i64) {
+        if self.plan.density <= 0.0 {
+            return;
         }
-        all
+        let (compared, plan, layer) = (self.compared, self.plan, self.layer);
+        for part in parts {
+            let sparse = Sparse { compared, area: &part.rows, plan, layer, print_z, layers: part.layers };
+            let islands = &compared.regions.island_of_region;
+            patterns::lay(&sparse, |region, path| self.out[islands[region]].push(path));
+        }
     }
 
-    /// Lays the lines of one kind on layer `i`.
-    #[expect(clippy::too_many_arguments, reason = "the layer's state, shared by its kinds")]
-    fn fill(
-        &self,
-        kind: FillKind,
-        i: usize,
-        areas: &Areas,
-        own: &Trace,
-        frame: &RowFrame,
-        plan: &FillPlan,
-        out: &mut [Vec<FillPath>],
-    ) {
-        let area = match kind {
-            FillKind::Sparse if plan.density <= 0.0 => return,
-            FillKind::Sparse => &areas.sparse,
-            FillKind::Solid => &areas.solid,
-            FillKind::TopSolid => &areas.top,
-            FillKind::Bridge | FillKind::InternalBridge => return,
-        };
+    /// Fills an area with solid lines on the rows of `lines`.
+    fn straight(&mut self, area: &Rows, kind: FillKind, lines: &RowFrame) {
         if area.is_empty() {
             return;
         }
-        let lines = plan.line_frame(kind, i);
-        let (traced, moved);
-        let (trace, area) = if lines == *frame {
-            (own, area)
-        } else {
-            traced = trace(self.rings.iter().copied(), &lines);
-            moved = resample(&widen(area, &own.rows), frame, &traced.rows, &lines);
-            (&traced, &moved)
-        };
-        let border = Border {
-            rings: &self.rings,
-            regions: &self.regions,
-            region_of_ring: &self.region_of_ring,
-            trace,
-            frame: &lines,
-        };
-        let least = plan.pitch(FillKind::Solid, i);
-        let style = Style { kind, pitch: plan.pitch(kind, i), least };
-        lay(&border, area, style, |region, path| out[self.island_of_region[region]].push(path));
-    }
-}
-
-/// Moves the ends of `area` that lie on the border of `own` outwards, half-way to the next span of
-/// `own`: on another family of rows the border is elsewhere, and cuts there.
-fn widen(area: &Rows, own: &Rows) -> Rows {
-    let mut out = RowsBuilder::new(area.first());
-    for (k, row) in area.iter() {
-        let whole = own.row(k);
-        let middle = |i: usize| {
-            let (a, b) = (i64::from(whole[i].end), i64::from(whole[i + 1].start));
-            ((a + b) / 2) as i32
-        };
-        and_row(whole, row, |piece, i| {
-            let start = match i {
-                _ if piece.start != whole[i].start => piece.start,
-                0 => i32::MIN,
-                _ => middle(i - 1),
-            };
-            let end = match i + 1 {
-                _ if piece.end != whole[i].end => piece.end,
-                n if n == whole.len() => i32::MAX,
-                _ => middle(i),
-            };
-            out.push(start, end);
+        let known = self.traces.iter().position(|t| t.0 == *lines).unwrap_or_else(|| {
+            self.traces.push((*lines, self.compared.regions.trace(lines)));
+            self.traces.len() - 1
         });
-        out.end_row();
+        let trace = &self.traces[known].1;
+        let area = self.compared.onto(area, trace, lines);
+        let border = self.compared.regions.border(trace, lines);
+        let least = self.plan.pitch(FillKind::Solid, self.layer);
+        let style = Style { kind, pitch: self.plan.pitch(kind, self.layer), least };
+        let islands = &self.compared.regions.island_of_region;
+        lay(&border, &area, style, |region, path| self.out[islands[region]].push(path));
     }
-    out.finish()
-}
-
-/// `area` on the rows of another frame of the same direction: each takes over the nearest row of
-/// `area`, cut to `own`.
-fn resample(area: &Rows, frame: &RowFrame, own: &Rows, to: &RowFrame) -> Rows {
-    let mut out = RowsBuilder::new(own.first());
-    for (k, row) in own.iter() {
-        and_row(row, area.row(frame.nearest_row(to.t(k))), |s, _| out.push(s.start, s.end));
-        out.end_row();
-    }
-    out.finish()
 }

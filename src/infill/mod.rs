@@ -1,9 +1,14 @@
 //! Skins and infill patterns.
 
 mod border;
+mod bridge;
+mod combine;
 mod layer;
+mod onto;
+mod patterns;
 pub mod plan;
 mod rectilinear;
+mod regions;
 mod skin;
 
 pub use layer::{FillLayer, fill};
@@ -24,6 +29,11 @@ pub enum FillKind {
     Bridge,
     /// Solid infill over sparse infill.
     InternalBridge,
+}
+
+impl FillKind {
+    /// Number of kinds.
+    pub const COUNT: usize = 5;
 }
 
 /// An open polyline to be extruded \[nm\]; at least two points.

@@ -11,17 +11,19 @@ use crate::span::RowFrame;
 pub struct FillPlan {
     /// Share of the volume filled by sparse infill, 0..=1.
     pub density: f64,
+    /// Pattern of sparse infill.
+    pub pattern: FillPattern,
     /// Direction of the lines on even layers \[degrees\]; odd layers are turned by 90.
     pub angle: f64,
-    /// Per [`FillKind`]: the lines turn from layer to layer.
-    pub turned: [bool; 3],
+    /// Per [`FillKind`]: the lines turn from layer to layer. Bridges have directions of their own.
+    pub turned: [bool; FillKind::COUNT],
     /// Line spacing per [`FillKind`] on the first layer \[nm\], the sparse one at full density.
-    pub first_spacing: [f64; 3],
+    pub first_spacing: [f64; FillKind::COUNT],
     /// The same on all other layers \[nm\].
-    pub spacing: [f64; 3],
-    /// Spacing of solid and topmost solid lines per layer \[nm\] where layers differ in thickness; empty
-    /// where all but the first have one. Sparse lines keep theirs, so that they lie upon each other.
-    pub solid_spacing: Vec<[f64; 2]>,
+    pub spacing: [f64; FillKind::COUNT],
+    /// The same per layer \[nm\] where layers differ in thickness; empty where all but the first have one.
+    /// Sparse lines keep theirs, so that they lie upon each other.
+    pub layer_spacing: Vec<[f64; FillKind::COUNT]>,
     /// Solid layers under a top surface.
     pub top_layers: u32,
     /// Solid layers over a bottom surface.
@@ -45,18 +47,22 @@ impl FillPlan {
         let i = &settings.infill;
         let spacing = |first: bool| {
             let layer = settings.slicing.layer_height;
-            let height = if first { settings.slicing.first_layer_height.of(layer) } else { layer };
-            [FlowRole::Infill, FlowRole::SolidInfill, FlowRole::TopSolidInfill]
-                .map(|role| Flow::new(role, height, first, settings).spacing_nm() as f64)
+            spacings(
+                if first { settings.slicing.first_layer_height.of(layer) } else { layer },
+                first,
+                settings,
+            )
         };
         let turns = |p: FillPattern| p != FillPattern::AlignedRectilinear;
+        let [sparse, solid, top] = [i.fill_pattern, i.bottom_fill_pattern, i.top_fill_pattern].map(turns);
         Self {
             density: (i.fill_density / 100.0).clamp(0.0, 1.0),
+            pattern: i.fill_pattern,
             angle: i.fill_angle,
-            turned: [i.fill_pattern, i.bottom_fill_pattern, i.top_fill_pattern].map(turns),
+            turned: [sparse, solid, top, false, false],
             first_spacing: spacing(true),
             spacing: spacing(false),
-            solid_spacing: Vec::new(),
+            layer_spacing: Vec::new(),
             top_layers: i.top_solid_layers,
             bottom_layers: i.bottom_solid_layers,
             top_thickness: nm(i.top_solid_min_thickness),
@@ -69,41 +75,45 @@ impl FillPlan {
     /// The plan for layers of different `heights` \[nm\], lowest layer first: solid lines lie as close as
     /// beads of their own layer's thickness need, sparse ones as `layer_height` says.
     pub fn for_heights(settings: &Settings, heights: impl Iterator<Item = i32>) -> Self {
-        let solid = |(i, height): (usize, i32)| {
-            [FlowRole::SolidInfill, FlowRole::TopSolidInfill]
-                .map(|role| Flow::new(role, mm(height), i == 0, settings).spacing_nm() as f64)
-        };
-        Self { solid_spacing: heights.enumerate().map(solid).collect(), ..Self::new(settings) }
+        let own = |(i, height): (usize, i32)| spacings(mm(height), i == 0, settings);
+        Self { layer_spacing: heights.enumerate().map(own).collect(), ..Self::new(settings) }
     }
 
     /// True when a kind's lines are turned by 90 degrees on layer `i`.
-    pub(super) fn is_turned(&self, kind: FillKind, i: usize) -> bool {
+    fn is_turned(&self, kind: FillKind, i: usize) -> bool {
         i % 2 == 1 && self.turned[kind as usize]
     }
 
     /// The rows on which areas are compared: the solid lines' own, the same on all layers.
-    pub(super) fn area_frame(&self, turned: bool) -> RowFrame {
-        self.frame(turned, self.spacing[FillKind::Solid as usize])
+    pub(super) fn area_frame(&self) -> RowFrame {
+        RowFrame::new(self.angle, 0.0, self.spacing[FillKind::Solid as usize])
     }
 
     /// The rows on which the lines of a kind lie on layer `i`.
     pub(super) fn line_frame(&self, kind: FillKind, i: usize) -> RowFrame {
-        self.frame(self.is_turned(kind, i), self.pitch(kind, i))
+        let turn = if self.is_turned(kind, i) { 90.0 } else { 0.0 };
+        RowFrame::new(self.angle + turn, 0.0, self.pitch(kind, i))
+    }
+
+    /// The rows on which the lines of a bridge lie on layer `i`.
+    pub(super) fn bridge_frame(&self, degrees: f64, kind: FillKind, i: usize) -> RowFrame {
+        RowFrame::new(degrees, 0.0, self.pitch(kind, i))
     }
 
     /// Distance between the lines of a kind on layer `i` \[nm\].
     pub(super) fn pitch(&self, kind: FillKind, i: usize) -> f64 {
         let spacing = if i == 0 { self.first_spacing } else { self.spacing }[kind as usize];
-        let own = |k: usize| self.solid_spacing.get(i).map_or(spacing, |solid| solid[k]);
         match kind {
             FillKind::Sparse => spacing / self.density,
-            FillKind::Solid => own(0),
-            FillKind::TopSolid => own(1),
-            FillKind::Bridge | FillKind::InternalBridge => own(0),
+            _ => self.layer_spacing.get(i).map_or(spacing, |own| own[kind as usize]),
         }
     }
+}
 
-    fn frame(&self, turned: bool, pitch: f64) -> RowFrame {
-        RowFrame::new(self.angle + if turned { 90.0 } else { 0.0 }, 0.0, pitch)
-    }
+/// Line spacing per kind on a layer of `height` \[mm\], in nanometres.
+fn spacings(height: f64, first: bool, settings: &Settings) -> [f64; FillKind::COUNT] {
+    let [sparse, solid, top] = [FlowRole::Infill, FlowRole::SolidInfill, FlowRole::TopSolidInfill]
+        .map(|role| Flow::new(role, height, first, settings).spacing_nm() as f64);
+    let bridge = Flow::bridging(FlowRole::SolidInfill, height, first, settings).spacing_nm() as f64;
+    [sparse, solid, top, bridge, bridge]
 }

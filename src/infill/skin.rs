@@ -20,6 +20,8 @@ pub struct Areas {
     pub solid: Rows,
     /// Solid and exposed to air above.
     pub top: Rows,
+    /// Solid and exposed to air below; on the first layer there is none.
+    pub bottom: Rows,
 }
 
 /// Height of a layer's upper side and its thickness \[nm\].
@@ -45,6 +47,11 @@ pub fn divide(
     } else {
         open(own, outlines.get(i + 1).map(|above| and(own, above)), frame)
     };
+    let bottom = match i.checked_sub(1).and_then(|b| outlines.get(b)) {
+        Some(below) if plan.bottom_layers > 0 => open(own, Some(and(own, below)), frame),
+        _ => Rows::default(),
+    };
+    let top = sub(&top, &bottom);
     let all_solid =
         plan.density >= 1.0 || plan.solid_every > 0 && (i as u64).is_multiple_of(u64::from(plan.solid_every));
     let mut solid =
@@ -58,7 +65,8 @@ pub fn divide(
             sparse = sub(&sparse, &small);
         }
     }
-    Areas { sparse, solid: sub(&solid, &top), top }
+    let solid = sub(&sub(&solid, &top), &bottom);
+    Areas { sparse, solid, top, bottom }
 }
 
 /// The part of `own` that lies under and over enough layers; `None` where a layer is missing.

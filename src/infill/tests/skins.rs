@@ -4,12 +4,13 @@ use super::shapes::*;
 use crate::infill::FillPlan;
 use crate::infill::skin::{Areas, Level, divide};
 use crate::region::Island;
+use crate::span::algebra::or;
 use crate::span::{Rows, scan};
 use std::f64::consts::PI;
 
 /// Areas of sparse, solid and top infill of layer `i` \[mm²\].
 fn areas(layers: &[Vec<Island>], i: usize, plan: &FillPlan) -> [f64; 3] {
-    let frame = plan.area_frame(i % 2 == 1);
+    let frame = plan.area_frame();
     let outlines: Vec<Rows> = layers
         .iter()
         .map(|l| scan(l.iter().flat_map(|i| i.outline.rings()).map(|r| &r[..]), &frame))
@@ -17,8 +18,9 @@ fn areas(layers: &[Vec<Island>], i: usize, plan: &FillPlan) -> [f64; 3] {
     let levels: Vec<Level> =
         stack(layers).iter().map(|l| Level { top: l.print_z, bottom: l.print_z - l.height }).collect();
     let own = scan(layers[i].iter().flat_map(|i| &i.infill).flat_map(|e| e.rings()).map(|r| &r[..]), &frame);
-    let Areas { sparse, solid, top } =
+    let Areas { sparse, solid, top, bottom } =
         divide(i, &own, &outlines.iter().collect::<Vec<_>>(), &levels, &frame, plan);
+    let solid = or(&solid, &bottom);
     assert_eq!(sparse.length() + solid.length() + top.length(), own.length());
     [sparse, solid, top].map(|r| r.length() as f64 * frame.mm2_per_unit())
 }
