@@ -2,8 +2,11 @@
 
 pub mod areas;
 pub mod boolean;
+mod extra;
+mod inside;
 pub mod layers;
 pub mod offset;
+mod overhang;
 pub mod perimeters;
 mod wavefront;
 

@@ -1,11 +1,13 @@
 //! Walls: how many, where, and what they leave for infill.
 
 use super::boolean;
+use super::extra::extra_walls;
 use super::offset::{self, Join};
+use super::overhang::Support;
 use super::{Island, Wall, wavefront};
 use crate::contour::{ExPolygon, Ring};
 use crate::lattice;
-use crate::settings::Settings;
+use crate::settings::{OnePerimeter, Settings};
 use crate::settings::flow::{Flow, FlowRole};
 
 /// Where the walls of a layer lie, all in \[nm\].
@@ -25,6 +27,16 @@ pub struct WallPlan {
     pub solid_width: i64,
     /// How far infill reaches into the innermost wall.
     pub infill_overlap: i64,
+    /// Whether walls are left out where they would come nearer to each other than 0.6 spacings. Else
+    /// they run wherever their centre lines fit, as PrusaSlicer does without `thin_walls`.
+    pub opened: bool,
+    /// Whether walls are added on slopes.
+    pub extra: bool,
+    /// How far the centre line of a wall may lie outside the layer below before it hangs in air; 0 to
+    /// leave overhangs unmarked.
+    pub reach: i64,
+    /// Where a single wall surrounds top surfaces.
+    pub one_wall: OnePerimeter,
 }
 
 /// Two walls overlap by no more than this share of their spacing; where they would, the inner one is
@@ -42,6 +54,7 @@ impl WallPlan {
         let external = flow(FlowRole::ExternalPerimeter);
         let (inner, solid) = (flow(FlowRole::Perimeter), flow(FlowRole::SolidInfill));
         let count = settings.perimeters.perimeters;
+        let bore = settings.printer.nozzle_diameter;
         let innermost = if count == 1 { external } else { inner };
         let base = 0.5 * (innermost.spacing() + solid.spacing());
         Self {
@@ -52,6 +65,21 @@ impl WallPlan {
             solid_spacing: solid.spacing_nm(),
             solid_width: solid.width_nm(),
             infill_overlap: lattice::nm(settings.infill.infill_overlap.of(base)),
+            opened: settings.perimeters.thin_walls,
+            // Without infill nothing shows between walls, and they carry each other.
+            extra: settings.perimeters.extra_perimeters && settings.infill.fill_density > 0.0,
+            reach: if settings.perimeters.overhangs { lattice::nm(0.5 * bore) } else { 0 },
+            one_wall: settings.perimeters.top_one_perimeter_type,
+        }
+    }
+
+    /// How deep the walls reach into the area, to the inner edge of the innermost one.
+    pub fn walls_depth(&self) -> i64 {
+        match self.count {
+            0 => 0,
+            n => {
+                (self.external_width + self.external_spacing) / 2 + i64::from(n - 1) * self.perimeter_spacing
+            }
         }
     }
 
@@ -92,8 +120,26 @@ pub struct Neighbours<'a> {
 /// The external wall's centre line runs half its width inside the outline, the others a spacing further
 /// in each. A wall is left out where it would come nearer than 0.6 spacings to itself. An area that
 /// falls apart on the way inwards stays one island.
-pub fn walls(areas: Vec<ExPolygon>, _neighbours: &Neighbours, plan: &WallPlan) -> Vec<Island> {
-    areas.into_iter().map(|outline| island(outline, plan)).collect()
+///
+/// The layer above decides on additional walls and single ones, the layer below on what overhangs.
+pub fn walls(areas: Vec<ExPolygon>, neighbours: &Neighbours, plan: &WallPlan) -> Vec<Island> {
+    let extra = match neighbours.above {
+        Some(above) if plan.extra => extra_walls(&areas, above, plan),
+        _ => Vec::new(),
+    };
+    let support = match neighbours.below {
+        Some(below) if plan.reach > 0 => Some(Support::new(below, plan.reach)),
+        _ => None,
+    };
+    let build = |(i, outline)| {
+        let count = plan.count + extra.get(i).copied().unwrap_or(0);
+        let mut island = island(outline, &WallPlan { count, ..*plan });
+        if let Some(support) = &support {
+            support.flag(&mut island);
+        }
+        island
+    };
+    areas.into_iter().enumerate().map(build).collect()
 }
 
 fn island(outline: ExPolygon, plan: &WallPlan) -> Island {
@@ -103,6 +149,7 @@ fn island(outline: ExPolygon, plan: &WallPlan) -> Island {
         let (distance, spacing) = plan.step(depth);
         let radius = (0.5 * (1.0 - OVERLAP_TOLERANCE) * spacing as f64) as i64;
         let next = if depth + 1 < plan.count { plan.step(depth + 1).0 } else { plan.infill_inset() };
+        let radius = if plan.opened { radius } else { 0 };
         lines = lines.into_iter().flat_map(|line| centre_lines(line, distance, radius, next)).collect();
         for Line { polygon, .. } in &lines {
             let wall = |hole: bool| {
@@ -162,6 +209,13 @@ impl Inner {
 fn centre_lines(line: Line, distance: i64, radius: i64, next: i64) -> Vec<Line> {
     let Line { polygon, inner } = line;
     let plain = if matches!(inner, Inner::Untried) { Inner::of(&polygon, distance) } else { inner };
+    if radius == 0 {
+        let centres = match plain {
+            Inner::Proven(polygons) => polygons,
+            _ => offset::raw_inset(&polygon, distance as f64),
+        };
+        return centres.into_iter().map(|polygon| Line { polygon, inner: Inner::Untried }).collect();
+    }
     if let Some(centre) = plain.whole(&polygon) {
         let inner = if next > 0 { Inner::of(centre, next) } else { Inner::Untried };
         let wide = next >= radius && inner.whole(centre).is_some();
@@ -227,6 +281,10 @@ mod tests {
             solid_spacing: 400_000,
             solid_width: 440_000,
             infill_overlap: 100_000,
+            opened: true,
+            extra: false,
+            reach: 0,
+            one_wall: OnePerimeter::None,
         }
     }
 

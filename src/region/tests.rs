@@ -7,6 +7,7 @@ use super::perimeters::{self, Neighbours, WallPlan};
 use super::wavefront;
 use crate::contour::{ExPolygon, Ring, nest};
 use crate::lattice::Point2;
+use crate::settings::OnePerimeter;
 use clipper2_rust::{EndType, JoinType, Paths64, Point64};
 
 const MM: i32 = 1_000_000;
@@ -263,6 +264,10 @@ const PLAN: WallPlan = WallPlan {
     solid_spacing: 410_000,
     solid_width: 450_000,
     infill_overlap: 100_000,
+    opened: true,
+    extra: false,
+    reach: 0,
+    one_wall: OnePerimeter::None,
 };
 
 fn distance_to(p: Point2, a: Point2, b: Point2) -> f64 {
