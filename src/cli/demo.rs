@@ -6,16 +6,14 @@ use super::report;
 use crate::job::JobError;
 use crate::job::backend::{Backend, BackendOptions};
 use crate::job::filament::{self, FilamentJob};
-use crate::job::output::{OutputError, OutputFile};
+use crate::job::output::OutputFile;
 use crate::job::part::MeshOptions;
 use crate::job::progress::Progress;
 use crate::job::summary::{Stopwatch, Summary};
-use crate::lattice::mm;
+use crate::job::toolpaths::{save_png, toolpaths};
 use crate::mesh::{self, Loaded, Placement};
-use crate::path::{PrintLayer, Role};
-use crate::picture::{self, strokes::Stroke};
+use crate::picture;
 use crate::settings::Settings;
-use crate::settings::flow::Flow;
 use clap::Args;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeSet;
@@ -53,11 +51,11 @@ pub fn run(args: &DemoArgs) -> Result<(), CliError> {
     };
     let job = on(Backend::Cpu, None);
     let planned = plan(&job, &spinner)?;
-    let image = draw(&planned.layers, &settings);
+    let image = draw(&planned, &job);
     let gcode = args.output.join("demo.gcode");
     let (summary, cpu_hash) = write(planned, &job, &gcode, &spinner)?;
     let png = args.output.join("demo.png");
-    save(&image, &png)?;
+    save_png(&image, &png).map_err(JobError::from)?;
 
     let mut lines = vec![format!("cpu  {cpu_hash}")];
     let mut differs = None;
@@ -139,47 +137,18 @@ fn adapters() -> Vec<String> {
 }
 
 /// The part on the left; on the right the layer with the most kinds of line and islands.
-fn draw(layers: &[PrintLayer], settings: &Settings) -> image::RgbImage {
+fn draw(planned: &filament::Planned, job: &FilamentJob<'_>) -> image::RgbImage {
     let light = [picture::BACKGROUND.0; 2];
     let part = picture::preview::render_on(&[&mesh::demo_part()], PANEL.0, PANEL.1, light);
     let part = image::RgbImage::from_raw(part.width, part.height, part.rgb).unwrap_or_default();
-    let telling = layers.iter().max_by_key(|l| {
+    let telling = planned.layers.iter().enumerate().max_by_key(|(_, l)| {
         let fills = || l.islands.iter().flat_map(|i| &i.fills);
         let kinds: BTreeSet<_> = fills().map(|f| f.kind).collect();
         (kinds.len(), l.islands.len(), fills().count())
     });
-    let strokes = telling.map_or(Vec::new(), |l| strokes(l, settings));
+    let plan = telling.and_then(|(i, _)| toolpaths(planned, job, i)).unwrap_or_default();
+    let strokes = picture::toolpaths::strokes(&plan);
     picture::beside(&part, &picture::strokes::render(&strokes, PANEL.0, PANEL.1))
-}
-
-/// The beads of a layer in the colours that G-code viewers commonly use for them.
-fn strokes(layer: &PrintLayer, settings: &Settings) -> Vec<Stroke> {
-    let height = mm(layer.z.height);
-    let stroke = |role: Role, points: Vec<_>| Stroke {
-        points,
-        width: Flow::new(role.flow(), height, false, settings).width * crate::lattice::NM_PER_MM,
-        color: picture::strokes::color(role),
-    };
-    let mut all = Vec::new();
-    for island in &layer.islands {
-        for fill in &island.fills {
-            all.push(stroke(Role::of_fill(fill.kind), fill.points.clone()));
-        }
-        for wall in &island.walls {
-            let closed = wall.ring.iter().chain(wall.ring.first()).copied().collect();
-            all.push(stroke(Role::of_wall(wall.depth), closed));
-        }
-    }
-    all
-}
-
-fn save(image: &image::RgbImage, path: &Path) -> Result<(), JobError> {
-    let mut bytes = io::Cursor::new(Vec::new());
-    let failed = |e: io::Error| JobError::from(OutputError::new(path, e));
-    image.write_to(&mut bytes, image::ImageFormat::Png).map_err(|e| failed(io::Error::other(e)))?;
-    let mut out = OutputFile::create(path)?;
-    out.write_all(bytes.get_ref()).map_err(failed)?;
-    Ok(out.commit()?)
 }
 
 /// Passes bytes on and hashes them.

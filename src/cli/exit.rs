@@ -67,6 +67,14 @@ pub enum CliError {
         /// What is wrong with the first.
         first: ReadError,
     },
+    /// A layer that the print does not have.
+    #[error("--picture-layer {index}: the print has {count} layers, counted from 0; choose among these")]
+    NoSuchLayer {
+        /// The layer asked for.
+        index: usize,
+        /// Number of layers.
+        count: usize,
+    },
     /// Standard output could not be written.
     #[error("cannot write to standard output: {0}")]
     Stdout(#[from] std::io::Error),
@@ -77,7 +85,7 @@ impl CliError {
     pub fn code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Format(_) => 2,
-            Self::Setting(_) | Self::Printer(_) => 4,
+            Self::Setting(_) | Self::Printer(_) | Self::NoSuchLayer { .. } => 4,
             Self::Container { .. } | Self::DamagedLayers { .. } => 3,
             Self::Differs { .. } => 5,
             Self::Stdout(e) if e.kind() == std::io::ErrorKind::BrokenPipe => 0,

@@ -7,9 +7,11 @@ use super::progress::Spinner;
 use super::report;
 use super::setting_flags::SettingFlags;
 use crate::job::JobError;
-use crate::job::filament::{self, FilamentJob};
+use crate::job::filament::{self, FilamentJob, Planned};
 use crate::job::output::{OutputError, OutputFile};
+use crate::job::toolpaths::{save_png, toolpaths};
 use crate::mesh::Placement;
+use crate::picture;
 use crate::settings::Settings;
 use clap::Args;
 use std::io::{self, Write};
@@ -30,6 +32,12 @@ pub struct SliceArgs {
     /// Keep the model's coordinates instead of dropping it onto the bed and centring it there
     #[arg(long)]
     pub no_place: bool,
+    /// Draw the toolpaths of a layer, seen from above, as a PNG picture
+    #[arg(long, value_name = "FILE")]
+    pub picture: Option<PathBuf>,
+    /// The layer that is drawn, counted from 0 [default: the middle one]
+    #[arg(long, value_name = "N", requires = "picture")]
+    pub picture_layer: Option<u32>,
     /// Faulty meshes.
     #[command(flatten)]
     pub mesh: MeshArgs,
@@ -61,6 +69,9 @@ pub fn run(args: &SliceArgs) -> Result<(), CliError> {
     };
     let spinner = Spinner::new(args.run.quiet);
     let planned = filament::plan(&args.model, &job, &spinner)?;
+    if let Some(path) = &args.picture {
+        draw(path, args.picture_layer, &planned, &job)?;
+    }
     let mut summary = if output == Path::new("-") {
         let failed = |e| JobError::from(OutputError::new(Path::new("standard output"), e));
         let mut out = io::BufWriter::with_capacity(1 << 18, io::stdout().lock());
@@ -90,6 +101,21 @@ pub fn run(args: &SliceArgs) -> Result<(), CliError> {
         report::json(&summary)?;
     }
     Ok(())
+}
+
+/// Size of the picture of a layer \[pixels\].
+const PICTURE: (u32, u32) = (1600, 1200);
+
+/// Draws the toolpaths of a layer.
+fn draw(path: &Path, index: Option<u32>, planned: &Planned, job: &FilamentJob<'_>) -> Result<(), CliError> {
+    let count = planned.layers.len();
+    let index = index.map_or(count / 2, |n| n as usize);
+    let Some(plan) = toolpaths(planned, job, index) else {
+        return Err(CliError::NoSuchLayer { index, count });
+    };
+    let strokes = picture::toolpaths::strokes(&plan);
+    let image = picture::strokes::render(&strokes, PICTURE.0, PICTURE.1);
+    Ok(save_png(&image, path).map_err(JobError::from)?)
 }
 
 /// The model's name without folder and extension, for templates.

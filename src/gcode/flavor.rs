@@ -2,9 +2,8 @@
 
 use crate::settings::GcodeFlavor;
 
-/// Sets the fan to a speed of 0..=100 \[%\].
-pub fn fan(flavor: GcodeFlavor, percent: f64) -> String {
-    let step = fan_step(percent);
+/// Sets the fan to a step of 0..=255.
+pub fn fan(flavor: GcodeFlavor, step: u8) -> String {
     // RepRapFirmware calls M107 outdated.
     if step == 0 && flavor != GcodeFlavor::Reprapfirmware {
         "M107\n".to_owned()
@@ -52,9 +51,9 @@ mod tests {
 
     #[test]
     fn the_fan_goes_from_off_to_255() {
-        assert_eq!(fan(GcodeFlavor::Marlin2, 0.0), "M107\n");
-        assert_eq!(fan(GcodeFlavor::Reprapfirmware, 0.0), "M106 S0\n");
-        assert_eq!(fan(GcodeFlavor::Klipper, 100.0), "M106 S255\n");
-        assert_eq!(fan(GcodeFlavor::Marlin, 50.0), "M106 S128\n");
+        assert_eq!(fan(GcodeFlavor::Marlin2, 0), "M107\n");
+        assert_eq!(fan(GcodeFlavor::Reprapfirmware, 0), "M106 S0\n");
+        assert_eq!(fan(GcodeFlavor::Klipper, fan_step(100.0)), "M106 S255\n");
+        assert_eq!(fan(GcodeFlavor::Marlin, fan_step(50.0)), "M106 S128\n");
     }
 }

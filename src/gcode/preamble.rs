@@ -28,7 +28,7 @@ pub(super) fn head(layers: usize, settings: &Settings, texts: &Texts<'_>) -> Vec
     let first = Flow::new(FlowRole::Perimeter, first_height, true, settings).width;
     append(&format!("; first layer extrusion width = {first:.2}mm\n"), &mut out);
     out.push(b'\n');
-    append(&flavor::fan(printer.gcode_flavor, 0.0), &mut out);
+    append(&flavor::fan(printer.gcode_flavor, 0), &mut out);
     let own_nozzle = has_command(texts.start, &["M104", "M109"]) || filament.first_layer_temperature == 0;
     let own_bed = has_command(texts.start, &["M140", "M190"]) || filament.first_layer_bed_temperature == 0;
     if !own_bed {
@@ -69,7 +69,7 @@ pub(super) fn second_layer(settings: &Settings, out: &mut Vec<u8>) {
 /// The user's end G-code, the statistics and the settings.
 pub(super) fn tail(statistics: &str, settings: &Settings, texts: &Texts<'_>) -> Vec<u8> {
     let mut out = Vec::new();
-    append(&flavor::fan(settings.printer.gcode_flavor, 0.0), &mut out);
+    append(&flavor::fan(settings.printer.gcode_flavor, 0), &mut out);
     custom(texts.end, &mut out);
     out.push(b'\n');
     append(statistics, &mut out);

@@ -1,6 +1,6 @@
 //! The moves of the layers as text.
 
-use super::number::{Line, plain};
+use super::number::Line;
 use super::summary::{Summary, section};
 use super::texts::append;
 use super::{LayerText, Texts, flavor, preamble};
@@ -24,8 +24,6 @@ pub struct Writer<'a, W> {
     bounds: Bounds,
     /// Filament by role \[10 nm\].
     role_e: [i64; Role::COUNT],
-    /// The width each role had last and the comment that states it.
-    widths: [(f64, String); Role::COUNT],
 }
 
 /// Lowest and highest extruded coordinates \[µm\].
@@ -65,7 +63,11 @@ struct Machine {
     retracted: bool,
     role: Option<Role>,
     width: f64,
+    /// Height of the bead \[mm\].
+    height: f64,
     fan: u8,
+    /// Where the fan belongs on this layer.
+    layer_fan: u8,
 }
 
 /// An absolute E is set back to 0 at the next occasion once it exceeds 50 mm, which keeps it exact
@@ -101,7 +103,6 @@ impl<'a, W: io::Write> Writer<'a, W> {
             summary: Summary::default(),
             bounds: Bounds { low: [i64::MAX; 3], high: [i64::MIN; 3] },
             role_e: [0; Role::COUNT],
-            widths: Default::default(),
         };
         writer.buffer.extend_from_slice(&preamble::head(layers, settings, texts));
         Ok(writer)
@@ -131,12 +132,9 @@ impl<'a, W: io::Write> Writer<'a, W> {
         if index == 1 {
             preamble::second_layer(self.settings, &mut self.buffer);
         }
-        let fan = flavor::fan_step(layer.fan);
-        if fan != self.machine.fan {
-            self.machine.fan = fan;
-            append(&flavor::fan(self.settings.printer.gcode_flavor, layer.fan), &mut self.buffer);
-        }
-        self.machine.role = None;
+        self.machine.layer_fan = flavor::fan_step(layer.fan);
+        self.fan(self.machine.layer_fan);
+        (self.machine.role, self.machine.height) = (None, text.height);
         for extrusion in &layer.extrusions {
             self.extrusion(extrusion, layer.path(extrusion));
             if self.buffer.len() >= BATCH {
@@ -175,20 +173,22 @@ impl<'a, W: io::Write> Writer<'a, W> {
     fn extrusion(&mut self, extrusion: &Extrusion, path: &[Point2]) {
         let Some((&start, rest)) = path.split_first() else { return };
         self.travel(start, extrusion.retract);
-        if self.machine.role != Some(extrusion.role) {
-            self.machine.role = Some(extrusion.role);
-            self.machine.width = 0.0;
+        let m = &mut self.machine;
+        if m.role != Some(extrusion.role) {
+            m.role = Some(extrusion.role);
+            m.width = 0.0;
             self.buffer.extend_from_slice(b";TYPE:");
             append(extrusion.role.name(), &mut self.buffer);
         }
-        if self.machine.width != extrusion.width {
-            self.machine.width = extrusion.width;
-            let own = &mut self.widths[extrusion.role.index()];
-            if own.0 != extrusion.width {
-                *own = (extrusion.width, format!(";WIDTH:{}", plain(extrusion.width, 6)));
-            }
-            append(&own.1, &mut self.buffer);
+        if m.width != extrusion.width {
+            m.width = extrusion.width;
+            self.comment(b";WIDTH:", extrusion.width);
         }
+        if self.machine.height != extrusion.height {
+            self.machine.height = extrusion.height;
+            self.comment(b";HEIGHT:", extrusion.height);
+        }
+        self.fan(extrusion.fan.map_or(self.machine.layer_fan, flavor::fan_step));
         self.unretract();
         let feed = feed(extrusion.speed);
         let before = self.machine.e_net;
@@ -204,6 +204,24 @@ impl<'a, W: io::Write> Writer<'a, W> {
         self.role_e[extrusion.role.index()] += self.machine.e_net - before;
         self.summary.extruded_mm += extrusion.length;
         self.summary.seconds_at_least += extrusion.length / extrusion.speed;
+    }
+
+    /// Sets the fan, unless it turns like that already.
+    #[inline]
+    fn fan(&mut self, step: u8) {
+        if step != self.machine.fan {
+            self.machine.fan = step;
+            append(&flavor::fan(self.settings.printer.gcode_flavor, step), &mut self.buffer);
+        }
+    }
+
+    /// Writes a comment that states a length \[mm\].
+    fn comment(&mut self, tag: &[u8], value: f64) {
+        self.line.clear();
+        self.line.text(tag);
+        self.line.hundred_thousandths((value * 1e5).round() as i64);
+        self.line.text(b"\n");
+        self.line.append_to(&mut self.buffer);
     }
 
     /// Extrudes what is due on the way to a point; a way shorter than the file's resolution is left

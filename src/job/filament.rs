@@ -121,7 +121,7 @@ fn plan_loaded(
     let wall_plans: Vec<WallPlan> =
         (0..).zip(&layers).map(|(i, z)| WallPlan::new(settings, lattice::mm(z.height), i == 0)).collect();
     let islands = region::layers::all_walls(areas, &wall_plans);
-    if islands.iter().flatten().all(|i| i.walls.is_empty() && i.infill.is_empty()) {
+    if islands.iter().flatten().all(|i| i.walls.is_empty() && i.beads.is_empty() && i.infill.is_empty()) {
         let width_mm = WallPlan::new(settings, lattice::mm(layers[0].height), true).external_width as f64;
         return Err(JobError::Empty { model: name.to_owned(), width_mm: width_mm / lattice::NM_PER_MM });
     }
@@ -185,9 +185,7 @@ pub fn write(
         config: &text.config,
         ..gcode::Texts::default()
     };
-    // The nozzle starts from the bed's origin, as it does after homing.
-    let home = Point2::new(clamped(-origin[0]), clamped(-origin[1]));
-    let mut planner = Planner::new(home, settings);
+    let mut planner = Planner::new(home(origin), settings);
     let mut writer = gcode::Writer::new(out, layers.len(), origin, settings, &texts)?;
     let mut plan = LayerPlan::default();
     for layer in layers {
@@ -203,9 +201,11 @@ pub fn write(
     Ok(summary)
 }
 
-/// A world coordinate brought into the lattice's reach.
-fn clamped(nm: i64) -> i32 {
-    nm.clamp(1 - i64::from(lattice::LIMIT), i64::from(lattice::LIMIT) - 1) as i32
+/// Where the nozzle starts: at the bed's origin, as after homing, in the mesh's frame and reach.
+pub(super) fn home(origin: [i64; 3]) -> Point2 {
+    let limit = i64::from(lattice::LIMIT) - 1;
+    let clamped = |nm: i64| nm.clamp(-limit, limit) as i32;
+    Point2::new(clamped(-origin[0]), clamped(-origin[1]))
 }
 
 fn filament_summary(written: &gcode::Summary, settings: &Settings) -> FilamentSummary {

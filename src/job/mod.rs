@@ -15,5 +15,6 @@ pub mod part;
 pub mod progress;
 pub mod resin;
 pub mod summary;
+pub mod toolpaths;
 
 pub use error::JobError;

@@ -1,12 +1,12 @@
 //! Fan and slow-down of short layers.
 
-use super::LayerPlan;
+use super::{Extrusion, LayerPlan};
 use crate::settings::CoolingSettings;
 
 /// Slows the layer's lines down to `slowdown_below_layer_time` and sets its fan.
 ///
-/// Only extruding moves are slowed, all in proportion, none below `min_print_speed`. `index` counts
-/// layers from 0. The fan follows PrusaSlicer's rules: off for the first layers, then a ramp; full
+/// Only extruding moves are slowed, all in proportion, none below `min_print_speed`; what hangs in air
+/// keeps its speed, as in PrusaSlicer. `index` counts layers from 0. The fan follows PrusaSlicer's rules: off for the first layers, then a ramp; full
 /// below the slow-down's layer time, `min_fan_speed` at `fan_below_layer_time`, linear between, and
 /// off or (`fan_always_on`) at the minimum above.
 pub(super) fn cool(layer: &mut LayerPlan, index: usize, settings: &CoolingSettings) {
@@ -14,6 +14,12 @@ pub(super) fn cool(layer: &mut LayerPlan, index: usize, settings: &CoolingSettin
         slow_down(layer, settings);
     }
     layer.fan = fan(layer.seconds(), index, settings);
+    let over_air = ramped(settings.bridge_fan_speed, index, settings);
+    if settings.cooling && over_air > layer.fan {
+        for e in layer.extrusions.iter_mut().filter(|e| e.role.is_bridge()) {
+            e.fan = Some(over_air);
+        }
+    }
 }
 
 fn slow_down(layer: &mut LayerPlan, settings: &CoolingSettings) {
@@ -25,27 +31,25 @@ fn slow_down(layer: &mut LayerPlan, settings: &CoolingSettings) {
         let (mut fixed, mut free) = (0.0, 0.0);
         for e in &layer.extrusions {
             let seconds = e.length / e.speed;
-            if e.speed > slowest { free += seconds } else { fixed += seconds }
+            if may_slow(e, slowest) { free += seconds } else { fixed += seconds }
         }
         let factor = (wanted - fixed) / free;
         if !(factor > 1.0 + 1e-9 && factor.is_finite()) {
             break;
         }
-        for e in layer.extrusions.iter_mut().filter(|e| e.speed > slowest) {
+        for e in layer.extrusions.iter_mut().filter(|e| may_slow(e, slowest)) {
             e.speed = (e.speed / factor).max(slowest);
         }
     }
 }
 
+/// True for a line that can be slowed down to `slowest`.
+fn may_slow(e: &Extrusion, slowest: f64) -> bool {
+    e.speed > slowest && !e.role.is_bridge()
+}
+
+/// The layer's fan speed by its duration.
 fn fan(seconds: f64, index: usize, settings: &CoolingSettings) -> f64 {
-    let full = settings.full_fan_speed_layer as usize;
-    let mut disabled = settings.disable_fan_first_layers as usize;
-    if disabled == 0 && full > 0 {
-        disabled = 1;
-    }
-    if index < disabled {
-        return 0.0;
-    }
     let (low, high) = (settings.min_fan_speed, settings.max_fan_speed);
     let (short, long) = (settings.slowdown_below_layer_time, settings.fan_below_layer_time);
     let mut fan = if settings.fan_always_on { low } else { 0.0 };
@@ -57,6 +61,19 @@ fn fan(seconds: f64, index: usize, settings: &CoolingSettings) -> f64 {
             fan = (low * t + high * (1.0 - t) + 0.5).floor();
         }
     }
+    ramped(fan, index, settings)
+}
+
+/// A fan speed on a layer of the first ones, where the fan is off or not yet up.
+fn ramped(mut fan: f64, index: usize, settings: &CoolingSettings) -> f64 {
+    let full = settings.full_fan_speed_layer as usize;
+    let mut disabled = settings.disable_fan_first_layers as usize;
+    if disabled == 0 && full > 0 {
+        disabled = 1;
+    }
+    if index < disabled {
+        return 0.0;
+    }
     if full > disabled && index < full {
         let ramp = (index + 1 - disabled) as f64 / (full - disabled) as f64;
         fan = (fan * ramp.min(1.0)).floor();
@@ -66,7 +83,7 @@ fn fan(seconds: f64, index: usize, settings: &CoolingSettings) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Extrusion, Role};
+    use super::super::Role;
     use super::*;
 
     fn layer(speeds: &[(f64, f64)], travel_seconds: f64) -> LayerPlan {
@@ -107,6 +124,33 @@ mod tests {
         cool(&mut off, 9, &CoolingSettings { cooling: false, ..settings });
         assert_eq!(off.extrusions[0].speed, 60.0);
         cool(&mut LayerPlan::default(), 0, &CoolingSettings::default());
+    }
+
+    #[test]
+    fn what_hangs_in_air_keeps_its_speed_and_has_a_fan_of_its_own() {
+        let settings = CoolingSettings { bridge_fan_speed: 80.0, ..CoolingSettings::default() };
+        let with_bridge = || {
+            let mut layer = layer(&[(60.0, 60.0), (60.0, 60.0)], 0.0);
+            layer.extrusions[1].role = Role::BridgeInfill;
+            layer
+        };
+        let mut short = with_bridge();
+        cool(&mut short, 9, &settings);
+        assert_eq!(short.extrusions[1].speed, 60.0);
+        assert!((short.seconds() - 5.0).abs() < 1e-9);
+        // The layer's fan is faster than the bridges', which do not slow it down.
+        assert_eq!((short.fan, short.extrusions[1].fan), (100.0, None));
+        let mut long = with_bridge();
+        long.travel_seconds = 100.0;
+        cool(&mut long, 9, &settings);
+        assert_eq!([long.extrusions[0].fan, long.extrusions[1].fan], [None, Some(80.0)]);
+        for (index, settings) in [(2, settings.clone()), (9, CoolingSettings { cooling: false, ..settings })]
+        {
+            let mut layer = with_bridge();
+            layer.travel_seconds = 100.0;
+            cool(&mut layer, index, &settings);
+            assert!(layer.extrusions.iter().all(|e| e.fan.is_none()), "layer {index}");
+        }
     }
 
     #[test]

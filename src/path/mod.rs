@@ -4,12 +4,14 @@
 //! where loops start, where the filament is pulled back, how fast every line goes and how fast the
 //! fan turns. It is serial and cheap; its result depends on nothing but its arguments.
 
+mod bead;
 mod cooling;
 mod loops;
 mod nearest;
 mod order;
 pub mod role;
 pub mod seam;
+mod sheet;
 mod simplify;
 pub mod speed;
 #[cfg(test)]

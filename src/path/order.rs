@@ -1,34 +1,40 @@
 //! The order of everything on a layer.
 
-use super::loops::{cut_open, nests};
+use super::bead::{self, Start};
+use super::loops::nests;
 use super::nearest::NearestSet;
-use super::seam::{Seam, SeamPlacer, nearest_on};
-use super::speed::{Line, SMALL_PERIMETER, lines};
-use super::{Extrusion, LayerPlan, PrintIsland, PrintLayer, Role, cooling, simplify};
+use super::seam::{Loop, Seam, SeamPlacer, nearest_on};
+use super::sheet::{Buffers, Sheet};
+use super::speed::Lines;
+use super::{LayerPlan, PrintIsland, PrintLayer, Role, cooling};
 use crate::infill::{FillKind, FillPath};
-use crate::lattice::{NM_PER_MM, Point2, mm};
-use crate::region::Wall;
+use crate::lattice::{Point2, mm};
+use crate::region::{Bead, BeadKind, Wall};
 use crate::settings::{FillPattern, SeamPosition, Settings};
 use std::ops::Range;
 
-/// The gap at a loop's end, as a share of the nozzle's bore (PrusaSlicer's).
-const SEAM_GAP: f64 = 0.15;
+/// The order of infill. Bridges come before the solid lines beside them, which then hold their ends.
+const FILL_ORDER: [FillKind; 5] =
+    [FillKind::Sparse, FillKind::Bridge, FillKind::InternalBridge, FillKind::Solid, FillKind::TopSolid];
 
 /// Plans layers one after the other; remembers where the nozzle is and where the seams were.
 ///
 /// Islands are visited by nearest neighbour; in each of them walls go from the innermost to the
-/// external one (`external_perimeters_first` turns that round), nest by nest, then the infill (or
-/// the infill first, by `infill_first`): sparse, solid and top lines, each by nearest end. Monotonic
-/// top lines keep their given order and directions.
+/// external one (`external_perimeters_first` turns that round), nest by nest with the thin walls
+/// among them, then gap fill, then the infill (or the infill first, by `infill_first`): sparse lines,
+/// bridges, solid and top lines, each by nearest end. Bridges and monotonic lines keep their given
+/// order and directions, because each line leans on the one before it.
 #[derive(Clone, Debug)]
 pub struct Planner<'a> {
     settings: &'a Settings,
     seams: SeamPlacer,
     at: Point2,
-    index: usize,
+    /// Thickness of the layers so far \[nm\].
+    heights: Vec<i32>,
     islands: NearestSet,
     ends: NearestSet,
     scratch: Scratch,
+    buffers: Buffers,
 }
 
 /// Buffers kept from layer to layer.
@@ -41,13 +47,12 @@ struct Scratch {
     found: Vec<Range<u32>>,
     /// First nest of each island, and one past the last of all.
     first_nest: Vec<u32>,
-}
-
-/// The layer being planned.
-struct Sheet<'a> {
-    out: &'a mut LayerPlan,
-    lines: [Line; Role::COUNT],
-    settings: &'a Settings,
+    /// Seams of the closed thin walls of all islands, in their order.
+    bead_seams: Vec<Seam>,
+    /// First of each island, and one past the last of all.
+    first_bead_seam: Vec<u32>,
+    /// Indices of the infill lines of one kind.
+    lines: Vec<u32>,
 }
 
 impl<'a> Planner<'a> {
@@ -57,10 +62,11 @@ impl<'a> Planner<'a> {
             settings,
             seams: SeamPlacer::new(settings.perimeters.seam_position),
             at: start,
-            index: 0,
+            heights: Vec::new(),
             islands: NearestSet::default(),
             ends: NearestSet::default(),
             scratch: Scratch::default(),
+            buffers: Buffers::default(),
         }
     }
 
@@ -70,11 +76,14 @@ impl<'a> Planner<'a> {
         out.points.clear();
         (out.print_z, out.height) = (layer.z.print_z, layer.z.height);
         (out.fan, out.travel_seconds) = (0.0, 0.0);
-        let lines = lines(mm(layer.z.height), self.index == 0, self.settings);
-        let mut sheet = Sheet { out, lines, settings: self.settings };
+        let index = self.heights.len();
+        self.heights.push(layer.z.height);
+        let mut buffers = std::mem::take(&mut self.buffers);
+        let lines = Lines::new(mm(layer.z.height), index == 0, self.settings);
+        let mut sheet = Sheet::new(out, lines, self.settings, &mut buffers);
         for ring in &layer.skirt {
             if let Some((seam, _)) = nearest_on(ring, self.at) {
-                self.at = sheet.closed(ring, seam, Role::Skirt, self.at);
+                self.at = sheet.closed(ring, &[], seam, Role::Skirt, self.at);
             }
         }
         let mut scratch = std::mem::take(&mut self.scratch);
@@ -84,24 +93,33 @@ impl<'a> Planner<'a> {
             let i = i as usize;
             let island = &layer.islands[i];
             if self.settings.infill.infill_first {
-                self.fills(&island.fills, &mut sheet);
+                self.fills(&island.fills, &mut scratch.lines, &mut sheet);
                 self.walls(island, i, &scratch, &mut sheet);
+                self.gaps(&island.beads, &mut sheet);
             } else {
                 self.walls(island, i, &scratch, &mut sheet);
-                self.fills(&island.fills, &mut sheet);
+                self.gaps(&island.beads, &mut sheet);
+                self.fills(&island.fills, &mut scratch.lines, &mut sheet);
             }
         }
-        self.scratch = scratch;
+        (self.scratch, self.buffers) = (scratch, buffers);
         self.seams.next_layer();
-        cooling::cool(out, self.index, &self.settings.cooling);
-        self.index += 1;
+        cooling::cool(out, index, &self.settings.cooling);
     }
 
-    /// Finds the nests of every island and, in the islands' given order, their seams.
+    /// Number of the layer in hand.
+    fn index(&self) -> usize {
+        self.heights.len().saturating_sub(1)
+    }
+
+    /// Finds the nests of every island and, in the islands' given order, their seams and those of closed
+    /// thin walls.
     fn place_seams(&mut self, islands: &[PrintIsland], scratch: &mut Scratch) {
         scratch.walls.clear();
         scratch.nests.clear();
         scratch.first_nest.clear();
+        scratch.bead_seams.clear();
+        scratch.first_bead_seam.clear();
         let late = self.settings.perimeters.seam_position == SeamPosition::Nearest;
         for island in islands {
             scratch.first_nest.push(scratch.nests.len() as u32);
@@ -111,15 +129,24 @@ impl<'a> Planner<'a> {
                 let seam = if late {
                     wall.ring.first().map(|&at| Seam { edge: 0, at })
                 } else {
-                    self.seams.place(&wall.ring, wall.hole, self.at, self.index)
+                    self.seams.place(around(wall), self.at, self.index())
                 };
                 scratch.nests.extend(seam.map(|seam| (nest, seam)));
             }
+            scratch.first_bead_seam.push(scratch.bead_seams.len() as u32);
+            for bead in island.beads.iter().filter(|b| b.kind == BeadKind::ThinWall) {
+                if let Some(ring) = bead::ring(bead) {
+                    let around = Loop { ring, hole: false, overhang: &[] };
+                    let seam = self.seams.place(around, self.at, self.index());
+                    scratch.bead_seams.push(seam.unwrap_or(Seam { edge: 0, at: ring[0] }));
+                }
+            }
         }
         scratch.first_nest.push(scratch.nests.len() as u32);
+        scratch.first_bead_seam.push(scratch.bead_seams.len() as u32);
     }
 
-    /// Prints the walls of island `index`.
+    /// Prints the walls of island `index`, thin ones among them.
     fn walls(&mut self, island: &PrintIsland, index: usize, scratch: &Scratch, sheet: &mut Sheet<'_>) {
         let own = scratch.first_nest[index] as usize..scratch.first_nest[index + 1] as usize;
         let nests = &scratch.nests[own];
@@ -127,12 +154,65 @@ impl<'a> Planner<'a> {
             let order = &scratch.walls[nest.start as usize..nest.end as usize];
             planner.nest(&island.walls, order, *seam, sheet);
         };
-        if let [only] = nests {
-            return print(self, only);
+        if island.beads.is_empty() {
+            if let [only] = nests {
+                return print(self, only);
+            }
+            self.ends.fill(nests.iter().map(|n| n.1.at));
+            while let Some((i, _)) = self.ends.take(self.at) {
+                print(self, &nests[i as usize]);
+            }
+            return;
         }
-        self.ends.fill(nests.iter().map(|n| n.1.at));
+        let own = scratch.first_bead_seam[index] as usize..scratch.first_bead_seam[index + 1] as usize;
+        let mut seams = scratch.bead_seams[own].iter();
+        let is_thin = |b: &&Bead| b.kind == BeadKind::ThinWall && b.points.len() > 1;
+        let seam_of = |b| (b, bead::ring(b).and_then(|_| seams.next().copied()));
+        let thin: Vec<(&Bead, Option<Seam>)> = island.beads.iter().filter(is_thin).map(seam_of).collect();
+        let ends = thin.iter().flat_map(|(b, seam)| match seam {
+            Some(seam) => [seam.at; 2],
+            None => bead::ends(b),
+        });
+        self.ends.fill(nests.iter().map(|n| n.1.at).chain(ends));
         while let Some((i, _)) = self.ends.take(self.at) {
-            print(self, &nests[i as usize]);
+            if let Some(nest) = nests.get(i as usize) {
+                let order = &scratch.walls[nest.0.start as usize..nest.0.end as usize];
+                self.nest(&island.walls, order, nest.1, sheet);
+            } else {
+                let end = i as usize - nests.len();
+                let (bead, seam) = thin[end / 2];
+                let [first, last] = seam.map_or(bead::ends(bead), |s| [s.at; 2]);
+                let back = end % 2 == 1;
+                self.ends.remove((nests.len() + (end ^ 1)) as u32, if back { first } else { last });
+                let start = match seam {
+                    Some(seam) => Start::Seam(seam, sheet.gap()),
+                    None if back => Start::Last,
+                    None => Start::First,
+                };
+                self.at = sheet.bead(bead, start, self.at);
+            }
+        }
+    }
+
+    /// Prints gap fill, by nearest end.
+    fn gaps(&mut self, beads: &[Bead], sheet: &mut Sheet<'_>) {
+        if beads.is_empty() {
+            return;
+        }
+        let is_gap = |b: &&Bead| b.kind == BeadKind::GapFill && b.points.len() > 1;
+        let gaps: Vec<&Bead> = beads.iter().filter(is_gap).collect();
+        self.ends.fill(gaps.iter().flat_map(|b| bead::ends(b)));
+        while let Some((end, _)) = self.ends.take(self.at) {
+            let bead = gaps[end as usize / 2];
+            let back = end % 2 == 1;
+            let [first, last] = bead::ends(bead);
+            self.ends.remove(end ^ 1, if back { first } else { last });
+            let start = match bead::ring(bead).and_then(|ring| nearest_on(ring, self.at)) {
+                Some((seam, _)) => Start::Seam(seam, sheet.gap()),
+                None if back => Start::Last,
+                None => Start::First,
+            };
+            self.at = sheet.bead(bead, start, self.at);
         }
     }
 
@@ -142,7 +222,8 @@ impl<'a> Planner<'a> {
         let perimeters = &self.settings.perimeters;
         let seam = match order.first().map(|&w| &walls[w as usize]) {
             Some(w) if perimeters.seam_position == SeamPosition::Nearest => {
-                self.seams.place(&w.ring, w.hole, self.at, self.index).unwrap_or(seam)
+                let index = self.index();
+                self.seams.place(around(w), self.at, index).unwrap_or(seam)
             }
             _ => seam,
         };
@@ -151,36 +232,72 @@ impl<'a> Planner<'a> {
             let wall = &walls[order[k] as usize];
             let start = if k == 0 { Some(seam) } else { nearest_on(&wall.ring, seam.at).map(|s| s.0) };
             if let Some(start) = start {
-                self.at = sheet.closed(&wall.ring, start, Role::of_wall(wall.depth), self.at);
+                let role = Role::of_wall(wall.depth);
+                self.at = sheet.closed(&wall.ring, &wall.overhang, start, role, self.at);
             }
         }
     }
 
-    /// Prints the infill lines, kind by kind, each kind by nearest end.
-    fn fills(&mut self, fills: &[FillPath], sheet: &mut Sheet<'_>) {
+    /// Prints the infill lines, kind by kind.
+    fn fills(&mut self, fills: &[FillPath], own: &mut Vec<u32>, sheet: &mut Sheet<'_>) {
         if fills.is_empty() {
             return;
         }
-        for kind in [FillKind::Sparse, FillKind::Solid, FillKind::TopSolid] {
-            let own = fills.iter().filter(|f| f.kind == kind && f.points.len() >= 2);
-            let paths: Vec<&[Point2]> = own.map(|f| f.points.as_slice()).collect();
-            if kind == FillKind::TopSolid && self.settings.infill.top_fill_pattern == FillPattern::Monotonic {
-                for path in paths {
-                    self.at = sheet.open(path, false, Role::of_fill(kind), self.at);
+        for kind in FILL_ORDER {
+            own.clear();
+            let of_kind = |i: &u32| fills[*i as usize].kind == kind && fills[*i as usize].points.len() >= 2;
+            own.extend((0..fills.len() as u32).filter(of_kind));
+            if own.is_empty() {
+                continue;
+            }
+            if self.keeps_order(kind) {
+                for &i in own.iter() {
+                    self.fill(&fills[i as usize], false, sheet);
                 }
                 continue;
             }
-            // Ends 2i and 2i + 1 belong to path i.
-            self.ends.fill(paths.iter().flat_map(|p| [p[0], p[p.len() - 1]]));
+            // Ends 2i and 2i + 1 belong to line i.
+            self.ends.fill(own.iter().flat_map(|&i| line_ends(&fills[i as usize].points)));
             while let Some((end, _)) = self.ends.take(self.at) {
-                let path = paths[end as usize / 2];
+                let fill = &fills[own[end as usize / 2] as usize];
                 let reversed = end % 2 == 1;
-                let other = if reversed { path[0] } else { path[path.len() - 1] };
-                self.ends.remove(end ^ 1, other);
-                self.at = sheet.open(path, reversed, Role::of_fill(kind), self.at);
+                let [first, last] = line_ends(&fill.points);
+                self.ends.remove(end ^ 1, if reversed { first } else { last });
+                self.fill(fill, reversed, sheet);
             }
         }
     }
+
+    fn fill(&mut self, fill: &FillPath, reversed: bool, sheet: &mut Sheet<'_>) {
+        let thickness = if fill.layers > 1 {
+            let layers = self.heights.iter().rev().take(fill.layers as usize);
+            layers.map(|h| i64::from(*h)).sum()
+        } else {
+            0
+        };
+        self.at = sheet.open(fill, reversed, thickness, self.at);
+    }
+
+    /// True when lines of a kind are printed as they were given.
+    fn keeps_order(&self, kind: FillKind) -> bool {
+        let monotonic = |p| matches!(p, FillPattern::Monotonic | FillPattern::MonotonicLines);
+        match kind {
+            FillKind::Sparse => false,
+            FillKind::Solid => monotonic(self.settings.infill.bottom_fill_pattern),
+            FillKind::TopSolid => monotonic(self.settings.infill.top_fill_pattern),
+            FillKind::Bridge | FillKind::InternalBridge => true,
+        }
+    }
+}
+
+/// A wall as the seams see it.
+fn around(wall: &Wall) -> Loop<'_> {
+    Loop { ring: &wall.ring, hole: wall.hole, overhang: &wall.overhang }
+}
+
+/// Both ends of a line; the origin for one without points.
+fn line_ends(points: &[Point2]) -> [Point2; 2] {
+    [points.first(), points.last()].map(|p| p.copied().unwrap_or_default())
 }
 
 /// Where an island is likely to be entered.
@@ -189,56 +306,9 @@ fn entry(index: usize, island: &PrintIsland, scratch: &Scratch) -> Point2 {
     if first < scratch.first_nest[index + 1] as usize {
         return scratch.nests[first].1.at;
     }
-    island.fills.iter().find_map(|f| f.points.first().copied()).unwrap_or_default()
-}
-
-impl Sheet<'_> {
-    /// Adds a loop; the nozzle comes from `from`. Returns where it ends.
-    fn closed(&mut self, ring: &[Point2], seam: Seam, role: Role, from: Point2) -> Point2 {
-        let first = self.out.points.len();
-        let gap = SEAM_GAP * self.settings.printer.nozzle_diameter * NM_PER_MM;
-        cut_open(ring, seam, gap, &mut self.out.points);
-        self.extrude(first, role, from, matches!(role, Role::Perimeter | Role::ExternalPerimeter))
-    }
-
-    /// Adds an open line; the nozzle comes from `from`. Returns where it ends.
-    fn open(&mut self, path: &[Point2], reversed: bool, role: Role, from: Point2) -> Point2 {
-        let first = self.out.points.len();
-        if reversed {
-            self.out.points.extend(path.iter().rev());
-        } else {
-            self.out.points.extend_from_slice(path);
-        }
-        self.extrude(first, role, from, false)
-    }
-
-    /// Makes an extrusion of the points from `first` on.
-    fn extrude(&mut self, first: usize, role: Role, from: Point2, may_be_small: bool) -> Point2 {
-        let points = &mut self.out.points;
-        simplify::simplify(points, first, self.settings.output.gcode_resolution * NM_PER_MM);
-        let path = &points[first..];
-        let length = path.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>() / NM_PER_MM;
-        let (Some(&start), Some(&end)) = (path.first(), path.last()) else { return from };
-        if path.len() < 2 || length <= 0.0 {
-            points.truncate(first);
-            return from;
-        }
-        let travel = from.distance(start) / NM_PER_MM;
-        let line = self.lines[role.index()];
-        self.out.travel_seconds += travel / self.settings.speed.travel_speed.max(1e-3);
-        self.out.extrusions.push(Extrusion {
-            role,
-            points: first as u32..points.len() as u32,
-            width: line.width,
-            height: mm(self.out.height),
-            mm3_per_mm: line.mm3_per_mm,
-            speed: if may_be_small && length <= SMALL_PERIMETER { line.small_speed } else { line.speed },
-            length,
-            retract: travel > 0.0 && travel >= self.settings.retraction.retract_before_travel,
-            fan: None,
-        });
-        end
-    }
+    let beads = island.beads.iter().find_map(|b| b.points.first());
+    let fills = || island.fills.iter().find_map(|f| f.points.first());
+    beads.or_else(fills).copied().unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -246,6 +316,7 @@ mod tests {
     use super::super::testing::{Random, circle, rectangle};
     use super::super::{Role, plan};
     use super::*;
+    use crate::lattice::NM_PER_MM;
     use crate::slice::planes::LayerZ;
 
     fn layer(islands: Vec<PrintIsland>) -> PrintLayer {

@@ -1,6 +1,7 @@
 //! What a line is for: its name in the file, its flow and its feed rate.
 
 use crate::infill::FillKind;
+use crate::region::BeadKind;
 use crate::settings::SpeedSettings;
 use crate::settings::flow::FlowRole;
 
@@ -132,6 +133,19 @@ impl Role {
         }
     }
 
+    /// True for lines that hang in air, which have a flow, a speed and a fan of their own.
+    pub const fn is_bridge(self) -> bool {
+        matches!(self, Self::BridgeInfill | Self::OverhangPerimeter)
+    }
+
+    /// The role of a bead of varying width.
+    pub const fn of_bead(kind: BeadKind) -> Self {
+        match kind {
+            BeadKind::ThinWall => Self::ExternalPerimeter,
+            BeadKind::GapFill => Self::GapFill,
+        }
+    }
+
     /// Feed rate away from the first layer and before any limit \[mm/s\].
     ///
     /// Percentages chain as in PrusaSlicer: top solid infill on solid infill on infill, external
@@ -139,11 +153,11 @@ impl Role {
     pub fn speed(self, speeds: &SpeedSettings) -> f64 {
         let solid = speeds.solid_infill_speed.of(speeds.infill_speed);
         match self {
-            Self::ExternalPerimeter | Self::OverhangPerimeter => {
-                speeds.external_perimeter_speed.of(speeds.perimeter_speed)
-            }
+            Self::ExternalPerimeter => speeds.external_perimeter_speed.of(speeds.perimeter_speed),
+            Self::OverhangPerimeter | Self::BridgeInfill => speeds.bridge_speed,
+            Self::GapFill => speeds.gap_fill_speed,
             Self::InternalInfill | Self::WipeTower => speeds.infill_speed,
-            Self::SolidInfill | Self::BridgeInfill => solid,
+            Self::SolidInfill => solid,
             Self::TopSolidInfill | Self::Ironing => speeds.top_solid_infill_speed.of(solid),
             _ => speeds.perimeter_speed,
         }

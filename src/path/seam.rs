@@ -14,6 +14,31 @@ pub struct Seam {
     pub at: Point2,
 }
 
+/// A wall that needs a seam.
+#[derive(Clone, Copy, Debug)]
+pub struct Loop<'a> {
+    /// Its centre line.
+    pub ring: &'a [Point2],
+    /// True when it runs around a hole.
+    pub hole: bool,
+    /// Per edge, true where it runs over air; empty where no edge does.
+    pub overhang: &'a [bool],
+}
+
+impl Loop<'_> {
+    /// True when an edge runs over air.
+    fn hangs(&self, edge: usize) -> bool {
+        self.overhang.get(edge).is_some_and(|over_air| *over_air)
+    }
+
+    /// How well a corner suits a seam: see [`merit`]; worse where it hangs in air.
+    fn merit(&self, i: usize) -> f64 {
+        let own = merit(self.ring, i);
+        let before = if i == 0 { self.ring.len() } else { i } - 1;
+        if self.hangs(i) || self.hangs(before) { own - OVER_AIR } else { own }
+    }
+}
+
 /// Chooses the seams of external walls and remembers those of the layer below.
 ///
 /// Loops are to be offered in their order in the layer, which makes the choice independent of the
@@ -44,6 +69,8 @@ const SNAP: f64 = 1e6;
 /// Corners are judged between points this far before and behind them \[nm\], so that neither the
 /// facets of a curve nor a rounding of the tip count.
 const ARM: i64 = 400_000;
+/// What a corner over air loses: more than any corner can have.
+const OVER_AIR: f64 = 3.0;
 /// Cosine of the least turn that hides a seam, 40 degrees.
 const FLAT: f64 = 0.766;
 
@@ -63,17 +90,18 @@ impl SeamPlacer {
 
     /// The seam of an external wall on layer `layer`; `nozzle` is where the nozzle comes from, which
     /// only [`SeamPosition::Nearest`] heeds. `None` for a ring without points.
-    pub fn place(&mut self, ring: &[Point2], hole: bool, nozzle: Point2, layer: usize) -> Option<Seam> {
+    pub fn place(&mut self, around: Loop<'_>, nozzle: Point2, layer: usize) -> Option<Seam> {
+        let Loop { ring, hole, .. } = around;
         match self.position {
             SeamPosition::Rear => rearmost(ring),
             SeamPosition::Random => scattered(ring, layer),
             SeamPosition::Nearest => {
                 let (low, high) = bounds(ring)?;
                 let scale = low.distance(high).max(1.0);
-                best_vertex(ring, |i| merit(ring, i) - 2.0 * ring[i].distance(nozzle) / scale)
+                best_vertex(ring, |i| around.merit(i) - 2.0 * ring[i].distance(nozzle) / scale)
             }
             SeamPosition::Aligned => {
-                let seam = self.continued(ring, hole).or_else(|| fresh(ring))?;
+                let seam = self.continued(around).or_else(|| fresh(around))?;
                 self.here.push(Mark { at: seam.at, hole });
                 Some(seam)
             }
@@ -81,12 +109,13 @@ impl SeamPlacer {
     }
 
     /// The continuation of a seam of the layer below, if one is near.
-    fn continued(&mut self, ring: &[Point2], hole: bool) -> Option<Seam> {
+    fn continued(&mut self, around: Loop<'_>) -> Option<Seam> {
+        let Loop { ring, hole, .. } = around;
         if let Some(mark) = self.below.get(self.expected).filter(|m| m.hole == hole) {
             let near = nearest_on(ring, mark.at)?;
             if near.1 <= SAME_PLACE * SAME_PLACE {
                 self.expected += 1;
-                return Some(snapped(ring, mark.at, near.0));
+                return Some(snapped(around, mark.at, near.0));
             }
         }
         if self.below.is_empty() {
@@ -119,7 +148,7 @@ impl SeamPlacer {
         }
         let (_, i, seam) = best.filter(|b| b.0 <= (REACH * REACH) as f64)?;
         self.expected = i as usize + 1;
-        Some(snapped(ring, self.below[i as usize].at, seam))
+        Some(snapped(around, self.below[i as usize].at, seam))
     }
 }
 
@@ -160,12 +189,12 @@ fn on_edge(a: Point2, b: Point2, t: f64, edge: usize) -> Seam {
 }
 
 /// `seam`, or a good corner within reach of `target`.
-fn snapped(ring: &[Point2], target: Point2, seam: Seam) -> Seam {
-    let mut best = (0.0, seam);
-    for (edge, &at) in ring.iter().enumerate() {
+fn snapped(around: Loop<'_>, target: Point2, seam: Seam) -> Seam {
+    let mut best = (if around.hangs(seam.edge) { -OVER_AIR } else { 0.0 }, seam);
+    for (edge, &at) in around.ring.iter().enumerate() {
         let d = square(at, target) as f64;
         if d <= SNAP * SNAP {
-            let score = merit(ring, edge) - 0.2 * d.sqrt() / SNAP;
+            let score = around.merit(edge) - 0.2 * d.sqrt() / SNAP;
             if score > best.0 {
                 best = (score, Seam { edge, at });
             }
@@ -175,10 +204,11 @@ fn snapped(ring: &[Point2], target: Point2, seam: Seam) -> Seam {
 }
 
 /// The best corner of a loop that continues nothing; towards the rear where several are alike.
-fn fresh(ring: &[Point2]) -> Option<Seam> {
+fn fresh(around: Loop<'_>) -> Option<Seam> {
+    let ring = around.ring;
     let (low, high) = bounds(ring)?;
     let height = (f64::from(high.y) - f64::from(low.y)).max(1.0);
-    best_vertex(ring, |i| merit(ring, i) + 0.2 * (f64::from(ring[i].y) - f64::from(low.y)) / height)
+    best_vertex(ring, |i| around.merit(i) + 0.2 * (f64::from(ring[i].y) - f64::from(low.y)) / height)
 }
 
 /// The vertex with the highest score, the first of several.
@@ -272,8 +302,12 @@ mod tests {
 
     const HOME: Point2 = Point2::new(0, 0);
 
+    fn solid(ring: &[Point2]) -> Loop<'_> {
+        Loop { ring, hole: false, overhang: &[] }
+    }
+
     fn at(placer: &mut SeamPlacer, ring: &[Point2], layer: usize) -> Point2 {
-        placer.place(ring, false, HOME, layer).map(|s| s.at).unwrap_or_default()
+        placer.place(solid(ring), HOME, layer).map(|s| s.at).unwrap_or_default()
     }
 
     #[test]
@@ -321,8 +355,28 @@ mod tests {
         assert_eq!(at(&mut placer, &ring, 0), ring[3]);
         // From afar every seam is as good as its corner, so the nozzle's side does not matter here.
         let mut placer = SeamPlacer::new(SeamPosition::Nearest);
-        let seam = placer.place(&ring, false, Point2::new(9_000_000, 21_000_000), 0);
+        let seam = placer.place(solid(&ring), Point2::new(9_000_000, 21_000_000), 0);
         assert_eq!(seam.map(|s| s.at), Some(ring[4]));
+    }
+
+    #[test]
+    fn seams_keep_away_from_air() {
+        // The corner that is best, at the rear right, hangs in air; the one to its left does not.
+        let ring = rectangle(0, 0, 20_000_000, 30_000_000);
+        let overhang = [false, true, false, false];
+        let around = Loop { ring: &ring, hole: false, overhang: &overhang };
+        for (position, nozzle) in [(SeamPosition::Aligned, HOME), (SeamPosition::Nearest, ring[2])] {
+            let mut placer = SeamPlacer::new(position);
+            let free = placer.place(solid(&ring), nozzle, 0).map(|s| s.at);
+            let mut placer = SeamPlacer::new(position);
+            let held = placer.place(around, nozzle, 0).map(|s| s.at);
+            assert_eq!((free, held), (Some(ring[2]), Some(ring[3])), "{position:?}");
+        }
+        // A seam in line with those below leaves it for the corner where the air ends.
+        let mut placer = SeamPlacer::new(SeamPosition::Aligned);
+        placer.here.push(Mark { at: Point2::new(20_000_000, 600_000), hole: false });
+        placer.next_layer();
+        assert_eq!(placer.place(around, HOME, 1).map(|s| s.at), Some(ring[1]));
     }
 
     #[test]
@@ -358,7 +412,7 @@ mod tests {
             [SeamPosition::Aligned, SeamPosition::Nearest, SeamPosition::Random, SeamPosition::Rear]
         {
             let mut placer = SeamPlacer::new(position);
-            assert_eq!(placer.place(&[], false, HOME, 0), None);
+            assert_eq!(placer.place(solid(&[]), HOME, 0), None);
             for n in 1..4 {
                 let ring = vec![Point2::new(4, 4); n];
                 assert_eq!(at(&mut placer, &ring, 0), Point2::new(4, 4));

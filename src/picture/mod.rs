@@ -3,6 +3,7 @@
 pub mod mask_png;
 pub mod preview;
 pub mod strokes;
+pub mod toolpaths;
 
 use image::RgbImage;
 

@@ -4,6 +4,7 @@ use super::assign::Warning;
 use super::flow::{Flow, FlowRole};
 use super::load::SettingsError;
 use super::types::{FloatOrPercent, GcodeFlavor, Settings};
+use super::types_part::FillPattern;
 use super::types_resin::LengthOrPixels;
 
 /// A value that cannot work together with others.
@@ -20,8 +21,15 @@ pub struct Invalid {
     pub remedy: String,
 }
 
-/// A line wider than this many nozzle bores is a slip of the keyboard.
-const MAX_WIDTH_IN_NOZZLES: f64 = 5.0;
+/// A nozzle cannot press a line wider than this many bores (PrusaSlicer's limit).
+const MAX_WIDTH_IN_NOZZLES: f64 = 3.0;
+/// Patterns whose lines are those of solid infill.
+const STRAIGHT: [FillPattern; 4] = [
+    FillPattern::Rectilinear,
+    FillPattern::Monotonic,
+    FillPattern::MonotonicLines,
+    FillPattern::AlignedRectilinear,
+];
 /// The lattice reaches 2^30 nm to either side of the bed's centre.
 const MAX_BED: f64 = 2000.0;
 
@@ -33,6 +41,7 @@ impl Settings {
     pub fn validate(&self) -> Result<Vec<Warning>, SettingsError> {
         self.check_layers()?;
         self.check_widths()?;
+        self.check_overlap()?;
         self.check_speeds()?;
         self.check_bed()?;
         self.check_extrusion()?;
@@ -126,6 +135,26 @@ impl Settings {
         Ok(())
     }
 
+    /// Infill that reaches through the innermost wall would show, or even stick out of the part.
+    fn check_overlap(&self) -> Result<(), SettingsError> {
+        let flow = |role| Flow::new(role, self.slicing.layer_height, false, self);
+        let (external, inner) = (flow(FlowRole::ExternalPerimeter), flow(FlowRole::Perimeter));
+        let (wall, most) = match self.perimeters.perimeters {
+            0 => return Ok(()),
+            // Up to the middle of the only wall.
+            1 => (external, 0.5 * external.spacing()),
+            _ => (inner, inner.spacing()),
+        };
+        let overlap =
+            self.infill.infill_overlap.of(0.5 * (wall.spacing() + flow(FlowRole::SolidInfill).spacing()));
+        if overlap > most * (1.0 + 1e-9) {
+            let problem =
+                format!("infill would reach {overlap:.3} mm into a wall, through to the other side");
+            return Err(self.invalid("infill_overlap", problem, format!("at most {most:.3}")));
+        }
+        Ok(())
+    }
+
     /// The key that decides a role's width: the order of [`Flow::new`].
     fn width_key(&self, own: &'static str, height: f64, first: bool) -> &'static str {
         let given = |v: FloatOrPercent| v.of(height) > 0.0;
@@ -158,9 +187,12 @@ impl Settings {
             ("top_solid_infill_speed", s.top_solid_infill_speed.of(solid)),
             ("first_layer_speed", s.first_layer_speed.of(s.perimeter_speed)),
             ("bridge_speed", s.bridge_speed),
-            ("gap_fill_speed", s.gap_fill_speed),
             ("travel_speed", s.travel_speed),
         ];
+        if self.perimeters.gap_fill_enabled && !(s.gap_fill_speed > 0.0 && s.gap_fill_speed.is_finite()) {
+            let remedy = "give a speed above 0 mm/s or set gap_fill_enabled = 0";
+            return Err(self.invalid("gap_fill_speed", "stands still", remedy));
+        }
         match speeds.iter().find(|(_, v)| !(*v > 0.0 && v.is_finite())) {
             Some((key, _)) => {
                 let problem = "stands still (automatic speed is not supported yet)";
@@ -268,6 +300,40 @@ impl Settings {
                 "has no effect while retract_length is 0; the firmware sets the length",
             );
         }
+        let (i, nozzle, layer) = (&self.infill, self.printer.nozzle_diameter, self.slicing.layer_height);
+        if f64::from(i.infill_every_layers) * layer > nozzle * (1.0 + 1e-9) && i.fill_density < 100.0 {
+            let most = (nozzle / layer * (1.0 + 1e-9)).floor();
+            let text = format!(
+                "more than the nozzle of {nozzle} mm can print at once; infill goes {most} layers thick"
+            );
+            warn("infill_every_layers", &text);
+        }
+        let thread = nozzle * i.bridge_flow_ratio.sqrt();
+        if i.thick_bridges && thread < layer {
+            let text =
+                format!("bridges are threads {thread:.3} mm thick, thinner than a layer, and may tear");
+            warn("bridge_flow_ratio", &text);
+        } else if !(0.5..=1.5).contains(&i.bridge_flow_ratio) {
+            warn("bridge_flow_ratio", "far from 1; bridges may tear or sag");
+        }
+        if i.fill_density >= 100.0 && !STRAIGHT.contains(&i.fill_pattern) {
+            warn("fill_pattern", "has no effect at fill_density = 100%, where everything is solid infill");
+        }
+        if i.infill_anchor.of(1.0) > 0.0 && i.infill_anchor_max.of(1.0) <= 0.0 {
+            warn("infill_anchor", "has no effect while infill_anchor_max is 0");
+        }
+        let xy = self.slicing.xy_size_compensation;
+        let wall = Flow::new(FlowRole::ExternalPerimeter, layer, false, self).width;
+        if xy < -wall {
+            warn("xy_size_compensation", "takes more than a wall's width off every side; thin parts vanish");
+        }
+        let foot = self.slicing.elefant_foot_compensation.nm(0) as f64 / crate::lattice::NM_PER_MM;
+        if foot > wall {
+            warn(
+                "elefant_foot_compensation",
+                "takes more than a wall's width off the first layer; thin parts lose it",
+            );
+        }
         if self.slicing.layer_height > 0.8 * self.printer.nozzle_diameter {
             warn("layer_height", "above 80% of the nozzle's bore; layers may bond badly");
         }
@@ -323,12 +389,21 @@ mod tests {
             (&[("infill_extrusion_width", "0.25")], "infill_extrusion_width = 0.25: gives lines"),
             (
                 &[("top_infill_extrusion_width", "1000%")],
-                "top_infill_extrusion_width = 1000%: gives lines 3.000 mm wide from a nozzle of 0.4 mm; at most 2.000",
+                "top_infill_extrusion_width = 1000%: gives lines 3.000 mm wide from a nozzle of 0.4 mm; at most 1.200",
             ),
             (&[("perimeter_speed", "0")], "perimeter_speed = 0: stands still"),
             (&[("external_perimeter_speed", "0%")], "external_perimeter_speed = 0%: stands still"),
             (&[("travel_speed", "0")], "travel_speed = 0: stands still"),
             (&[("bridge_speed", "0")], "bridge_speed = 0: stands still"),
+            (
+                &[("gap_fill_speed", "0")],
+                "gap_fill_speed = 0: stands still; give a speed above 0 mm/s or set",
+            ),
+            (&[("infill_overlap", "0.5")], "infill_overlap = 0.5: infill would reach 0.500 mm into a wall"),
+            (
+                &[("infill_overlap", "60%"), ("perimeters", "1")],
+                "infill_overlap = 60%: infill would reach 0.2",
+            ),
             (
                 &[("elefant_foot_compensation", "2px")],
                 "elefant_foot_compensation = 2px: a filament printer has no",
@@ -374,6 +449,15 @@ mod tests {
             &[("layer_gcode", "; G92 E0\\nG92 E1\\nG92 X0")],
             &[("fill_density", "0"), ("travel_speed_z", "0"), ("max_print_height", "0")],
             &[("bed_shape", "0x0,0x200,200x200,200x0")],
+            &[("gap_fill_speed", "0"), ("gap_fill_enabled", "0")],
+            &[("infill_overlap", "100%")],
+            &[("infill_every_layers", "1"), ("layer_height", "0.2")],
+            &[("infill_every_layers", "2"), ("layer_height", "0.2")],
+            &[("fill_density", "100%"), ("infill_every_layers", "9")],
+            &[("fill_density", "100%"), ("fill_pattern", "monotonic")],
+            &[("infill_anchor", "0"), ("infill_anchor_max", "0")],
+            &[("bridge_flow_ratio", "0.6"), ("thick_bridges", "1")],
+            &[("xy_size_compensation", "-0.3"), ("elefant_foot_compensation", "0.3")],
         ];
         for values in cases {
             assert_eq!(with(values), Ok(Vec::new()), "{values:?}");
@@ -388,5 +472,13 @@ mod tests {
         assert_eq!(keys(&[("temperature", "0")]), ["temperature"]);
         assert_eq!(keys(&[("perimeters", "0")]), ["perimeters"]);
         assert_eq!(keys(&[("layer_height", "0.35")]), ["layer_height"]);
+        assert_eq!(keys(&[("infill_every_layers", "3"), ("layer_height", "0.2")]), ["infill_every_layers"]);
+        assert_eq!(keys(&[("bridge_flow_ratio", "0.3")]), ["bridge_flow_ratio"]);
+        assert_eq!(keys(&[("bridge_flow_ratio", "1.6")]), ["bridge_flow_ratio"]);
+        assert_eq!(keys(&[("bridge_flow_ratio", "0.01"), ("thick_bridges", "0")]), ["bridge_flow_ratio"]);
+        assert_eq!(keys(&[("fill_density", "100%"), ("fill_pattern", "honeycomb")]), ["fill_pattern"]);
+        assert_eq!(keys(&[("infill_anchor_max", "0")]), ["infill_anchor"]);
+        assert_eq!(keys(&[("xy_size_compensation", "-2")]), ["xy_size_compensation"]);
+        assert_eq!(keys(&[("elefant_foot_compensation", "2")]), ["elefant_foot_compensation"]);
     }
 }
