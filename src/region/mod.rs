@@ -5,6 +5,7 @@ pub mod boolean;
 pub mod layers;
 pub mod offset;
 pub mod perimeters;
+mod shadow;
 mod wavefront;
 
 #[cfg(test)]
