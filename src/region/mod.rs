@@ -8,6 +8,7 @@ pub mod layers;
 pub mod offset;
 mod overhang;
 pub mod perimeters;
+mod shadow;
 mod wavefront;
 
 #[cfg(test)]

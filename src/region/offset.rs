@@ -69,8 +69,13 @@ fn inset_one(polygon: &ExPolygon, distance: i64) -> Vec<ExPolygon> {
     wavefront::inset(polygon, distance).unwrap_or_else(|| raw_inset(polygon, distance as f64))
 }
 
+/// The inset of one area by the fast route alone; `None` where its result is not proven right.
+pub fn fast_inset(polygon: &ExPolygon, distance: i64) -> Option<Vec<ExPolygon>> {
+    wavefront::inset(polygon, distance)
+}
+
 /// The inset of one area by way of the polygon library.
-pub(super) fn raw_inset(polygon: &ExPolygon, distance: f64) -> Vec<ExPolygon> {
+pub fn raw_inset(polygon: &ExPolygon, distance: f64) -> Vec<ExPolygon> {
     let raw: Vec<Ring> = polygon.rings().map(|r| raw_curve(r, distance, Join::Miter)).collect();
     simplified(boolean::union(&raw, Winding::Positive))
 }

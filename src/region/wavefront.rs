@@ -8,6 +8,7 @@
 //! tells afterwards whether the result touches itself, and such areas are left to the polygon library.
 
 use super::offset::{self, MITER_LIMIT};
+use super::shadow;
 use crate::contour::{ExPolygon, Ring, nest};
 use crate::lattice::{LIMIT, Point2};
 use std::cmp::Reverse;
@@ -72,22 +73,33 @@ struct Edge {
     after: u32,
     /// Counts changes of the edge, so that events can be told to be out of date.
     version: u32,
+    /// The ring's vertex at the start of the source edge; [`CAP`] for caps.
+    source: u32,
 }
 
-struct Front {
+const CAP: u32 = u32::MAX;
+
+struct Front<'a> {
     edges: Vec<Edge>,
+    source: &'a [Point2],
     origin: Point2,
+    /// Source edges that vanished beside a corner that turns away from them, see [`shadow`].
+    doubtful: Vec<u32>,
 }
 
 /// Turns by more than this short of a half turn do not end at a usable corner.
 const FOLD: f64 = 1e-9;
 
+/// Pairs of a vanished edge and an edge of the front that are worth looking at instead of calling the
+/// polygon library.
+const MOST_PAIRS: usize = 100_000;
+
 /// Opposite edges of the front that lie this close have nothing between them \[nm\].
 const FLAT: f64 = 2_000.0;
 
-impl Front {
+impl<'a> Front<'a> {
     /// The front of a ring; `None` when it has edges without length or folds back inwards.
-    fn new(ring: &[Point2], origin: Point2) -> Option<Self> {
+    fn new(ring: &'a [Point2], origin: Point2) -> Option<Self> {
         let n = ring.len();
         if n < 3 {
             return None;
@@ -118,6 +130,7 @@ impl Front {
                 before: 0,
                 after: 0,
                 version: 0,
+                source: i as u32,
             };
             if turn <= 0.0 && (1.0 + dot) * MITER_LIMIT * MITER_LIMIT < 2.0 {
                 // A square cap, an edge without length, takes half of a sharp turn to the right.
@@ -126,7 +139,7 @@ impl Front {
                 let (mx, my) = (ax + ux, ay + uy);
                 let size = (mx * mx + my * my).sqrt();
                 let (ux, uy) = if size > FOLD { (mx / size, my / size) } else { (ay, -ax) };
-                edges.push(Edge { ux, uy, length: 0.0, ..edge });
+                edges.push(Edge { ux, uy, length: 0.0, source: CAP, ..edge });
             } else if 1.0 + dot < FOLD {
                 return None;
             }
@@ -138,7 +151,7 @@ impl Front {
             edge.before = (if i == 0 { m - 1 } else { i - 1 }) as u32;
             edge.after = (if i + 1 == m { 0 } else { i + 1 }) as u32;
         }
-        Some(Self { edges, origin })
+        Some(Self { edges, source: ring, origin, doubtful: Vec::new() })
     }
 
     /// Way until an edge vanishes; infinite when it does not.
@@ -171,6 +184,7 @@ impl Front {
             corner.place = a.at(now);
             corner.way_before = self.length(a.before as usize, now);
             self.edges[p].version = u32::MAX;
+            self.doubtful.push(a.source);
             a.tau
         } else {
             let next = self.edges[b.after as usize];
@@ -179,6 +193,7 @@ impl Front {
             corner.place = next.at(now);
             corner.way_after = self.length(b.after as usize, now);
             self.edges[q].version = u32::MAX;
+            self.doubtful.push(b.source);
             next.tau
         };
         let (c, s) = corner.half;
@@ -217,6 +232,9 @@ impl Front {
             corner.way_before = self.length(p, now);
             corner.way_after = self.length(q, now);
             self.edges[i as usize].version = u32::MAX;
+            if one < 0.0 || two < 0.0 {
+                self.doubtful.push(gone.source);
+            }
             left -= 1;
             while left > 3 && corner.folds() {
                 self.unzip(&mut corner, now)?;
@@ -256,6 +274,13 @@ impl Front {
             let place = |origin: i32, by: f64| (f64::from(origin) + by.round()).clamp(-limit, limit) as i32;
             ring.push(Point2::new(place(self.origin.x, x), place(self.origin.y, y)));
             at = edge.after as usize;
+        }
+        if self.doubtful.len() * left > MOST_PAIRS {
+            return None;
+        }
+        let covers = |&i: &u32| i != CAP && shadow::Shadow::new(self.source, i as usize, way).meets(&ring);
+        if self.doubtful.iter().any(covers) {
+            return None;
         }
         Some(Some(ring))
     }

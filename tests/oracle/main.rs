@@ -3,7 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod bodies;
+mod definition;
+mod insets;
 mod masks;
+mod nasty;
 mod stupid;
 
 use bodies::Random;
