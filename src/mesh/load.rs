@@ -149,7 +149,7 @@ fn index(
     if facets > FACET_LIMIT {
         return Err(MeshError::TooMany { path: path.into(), facets });
     }
-    let frame = frame::measure(soup).map_err(|fault| {
+    let (welded, frame) = weld::weld(soup).map_err(|fault| {
         let (path, value) = (path.into(), fault.value);
         let place = Place {
             facet: fault.facet as u64 + 1,
@@ -163,7 +163,6 @@ fn index(
             None => MeshError::NotFinite { path, place, value },
         }
     })?;
-    let welded = weld::weld(soup, &frame);
     if welded.triangles.is_empty() {
         return Err(MeshError::AllCollapsed { path: path.into(), facets });
     }

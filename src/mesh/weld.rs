@@ -1,16 +1,20 @@
 //! Triangle soup to unique vertices.
 //!
-//! An open-addressing table of 16-byte entries, filled in file order, so that a vertex keeps the id
-//! of its first occurrence whatever the machine. Facets go through in batches: first all their corners
-//! are converted, hashed and their slots read (independent loads that overlap in the memory system),
-//! then each is looked up in a warm line.
+//! One pass over the facets measures their bounds and welds them. Until the bounds are known,
+//! coordinates are kept modulo 2^32 nm, in which no two points of a part fall together.
+//!
+//! An open-addressing table of vertex ids, filled in file order, so that a vertex keeps the id
+//! of its first occurrence whatever the machine. The bits that an id leaves free hold some of the hash,
+//! so that hardly any other vertex than the right one is looked at. Facets go through in batches: first
+//! all their corners are converted, hashed and their slots read (independent loads that overlap in the
+//! memory system), then each is looked up in a warm line.
 //!
 //! With several threads the file is cut into contiguous blocks, each welded on its own. A block's
 //! vertices are then looked up in the blocks before it; those that are new there keep their order, so
 //! the ids are again those of the first occurrence, for any number of blocks.
 
 use super::blocks::blocks;
-use super::frame::{Frame, Soup};
+use super::frame::{Bounds, Fault, Frame, LANES, Soup, nm_modulo};
 use crate::lattice::Point3;
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -26,27 +30,27 @@ pub(super) struct Welded {
     pub(super) collapsed: u64,
 }
 
-/// Facets that are hashed ahead of their look-up.
+/// Facets that are hashed ahead of their look-up; their floats fill whole [`LANES`].
 const BATCH: usize = 32;
 
 /// Vertices or triangles of one task while blocks are joined; any value gives the same result.
 const RUN: usize = 1 << 13;
 
-/// Welds the facets of a soup that `frame` was measured on. At most [`super::load::FACET_LIMIT`]
-/// facets.
-pub(super) fn weld(soup: &impl Soup, frame: &Frame) -> Welded {
-    weld_in_blocks(soup, frame, blocks(soup.len()))
+/// Measures and welds the facets of a soup, at least one and at most [`super::load::FACET_LIMIT`].
+///
+/// # Errors
+/// The first coordinate without a place on the lattice.
+pub(super) fn weld(soup: &impl Soup) -> Result<(Welded, Frame), Fault> {
+    weld_in_blocks(soup, blocks(soup.len()))
 }
 
-fn weld_in_blocks(soup: &impl Soup, frame: &Frame, count: usize) -> Welded {
+fn weld_in_blocks(soup: &impl Soup, count: usize) -> Result<(Welded, Frame), Fault> {
     let facets = soup.len();
     let size = facets.div_ceil(count).max(1);
     let mut triangles = vec![[0; 3]; facets];
-    let mut parts: Vec<Part> = triangles
-        .par_chunks_mut(size)
-        .enumerate()
-        .map(|(k, out)| weld_block(soup, frame, k * size, out))
-        .collect();
+    let mut parts: Vec<Part> =
+        triangles.par_chunks_mut(size).enumerate().map(|(k, out)| weld_block(soup, k * size, out)).collect();
+    let frame = parts.iter().fold(Bounds::NONE, |all, part| all.join(part.bounds)).frame(soup)?;
     let repeated: Vec<Vec<Repeated>> =
         (0..parts.len()).map(|k| repeated(&parts[..k], &parts[k].table.vertices)).collect();
     number(&parts, &repeated, triangles.chunks_mut(size));
@@ -70,7 +74,8 @@ fn weld_in_blocks(soup: &impl Soup, frame: &Frame, count: usize) -> Welded {
         vertices.extend_from_slice(&own[from..]);
     }
     triangles.truncate(kept);
-    Welded { vertices, triangles, collapsed: (facets - kept) as u64 }
+    vertices.iter_mut().for_each(|v| *v = frame.point(*v));
+    Ok((Welded { vertices, triangles, collapsed: (facets - kept) as u64 }, frame))
 }
 
 /// A block of facets, welded on its own: ids count from its own first vertex.
@@ -78,29 +83,37 @@ struct Part {
     table: Table,
     /// Triangles that did not collapse; they stand at the front of the block's place.
     kept: usize,
+    bounds: Bounds,
 }
 
 /// Welds as many facets as `out` has places, beginning with facet `first`.
-fn weld_block(soup: &impl Soup, frame: &Frame, first: usize, out: &mut [[u32; 3]]) -> Part {
+fn weld_block(soup: &impl Soup, first: usize, out: &mut [[u32; 3]]) -> Part {
     let mut table = Table::new(out.len());
+    let mut bounds = Bounds::NONE;
     let mut kept = 0;
+    let mut floats = [0.0; 9 * BATCH];
     let mut corners = [Point3::default(); 3 * BATCH];
-    let mut slots = [0usize; 3 * BATCH];
+    let mut hashes = [0; 3 * BATCH];
     for from in (0..out.len()).step_by(BATCH) {
         let batch = BATCH.min(out.len() - from);
         table.reserve(3 * batch);
-        for i in 0..batch {
-            for (k, corner) in soup.facet(first + from + i).into_iter().enumerate() {
-                let point = frame.point(corner);
-                corners[3 * i + k] = point;
-                slots[3 * i + k] = table.slot(point);
-            }
+        for (i, facet) in floats.as_chunks_mut::<9>().0.iter_mut().enumerate() {
+            // The last batch is filled up with its last facet, which moves no bounds.
+            let corners = soup.facet(first + from + i.min(batch - 1));
+            facet.copy_from_slice(corners.as_flattened());
         }
-        table.warm(&slots[..3 * batch]);
+        floats.as_chunks::<LANES>().0.iter().for_each(|floats| bounds.add(floats));
+        for (c, &v) in bytemuck::cast_slice_mut(&mut corners).iter_mut().zip(&floats) {
+            *c = nm_modulo(v);
+        }
+        for (h, &p) in hashes.iter_mut().zip(&corners) {
+            *h = hash(p);
+        }
+        table.warm(&hashes[..3 * batch]);
         for i in 0..batch {
             let mut t = [0; 3];
             for (k, id) in t.iter_mut().enumerate() {
-                *id = table.id(corners[3 * i + k], slots[3 * i + k]);
+                *id = table.id(corners[3 * i + k], hashes[3 * i + k]);
             }
             if t[0] != t[1] && t[1] != t[2] && t[2] != t[0] {
                 out[kept] = t;
@@ -108,7 +121,7 @@ fn weld_block(soup: &impl Soup, frame: &Frame, first: usize, out: &mut [[u32; 3]
             }
         }
     }
-    Part { table, kept }
+    Part { table, kept, bounds }
 }
 
 /// A vertex of a block that an earlier block has too.
@@ -133,15 +146,15 @@ fn repeated(earlier: &[Part], vertices: &[Point3]) -> Vec<Repeated> {
             let mut all = Vec::new();
             for (batch, points) in points.chunks(BATCH).enumerate() {
                 let mut found = [None; BATCH];
+                let mut hashes = [0; BATCH];
+                for (h, &p) in hashes.iter_mut().zip(points) {
+                    *h = hash(p);
+                }
                 for (block, part) in earlier.iter().enumerate() {
-                    let mut slots = [0; BATCH];
-                    for (slot, &p) in slots.iter_mut().zip(points) {
-                        *slot = part.table.slot(p);
-                    }
-                    part.table.warm(&slots[..points.len()]);
-                    for ((found, slot), &p) in found.iter_mut().zip(slots).zip(points) {
+                    part.table.warm(&hashes[..points.len()]);
+                    for ((found, hash), &p) in found.iter_mut().zip(hashes).zip(points) {
                         if found.is_none() {
-                            *found = part.table.find(p, slot).map(|id| (block as u32, id));
+                            *found = part.table.find(p, hash).map(|id| (block as u32, id));
                         }
                     }
                 }
@@ -195,12 +208,29 @@ fn number<'a>(
     }
 }
 
-/// Entries are x, y, z as bits, and the vertex id plus one: zero marks a free entry, which the
-/// allocator delivers without a pass over the memory.
+/// Vertices by their points.
 struct Table {
-    entries: Vec<[u32; 4]>,
+    /// Vertex ids in the low bits, of the hash what the others hold; [`FREE`] where there is none.
+    entries: Vec<u32>,
     vertices: Vec<Point3>,
+    /// The bits of an entry that are an id.
+    id_mask: u32,
     shift: u32,
+}
+
+/// No entry: ids have so many bits that none is all ones. Not zero, although the allocator would deliver
+/// zeros without a pass over the memory: a page that is read first and written then faults twice.
+const FREE: u32 = u32::MAX;
+
+/// Multiplicative hashing; the high bits of the product are the best.
+#[inline(always)]
+fn hash(p: Point3) -> u64 {
+    let xy = u64::from(p.x as u32) | u64::from(p.y as u32) << 32;
+    let a = xy.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let b = u64::from(p.z as u32).wrapping_mul(0xC2B2_AE3D_27D4_EB4F);
+    let h = (a ^ a >> 32).wrapping_add(b).wrapping_mul(0xD6E8_FEB8_6659_FD93);
+    // A second round, without which fine regular grids cluster.
+    (h ^ h >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93)
 }
 
 impl Table {
@@ -208,7 +238,10 @@ impl Table {
     fn new(facets: usize) -> Self {
         let capacity = facets.next_power_of_two().max(256);
         let vertices = Vec::with_capacity(facets / 2 + 3);
-        Self { entries: vec![[0; 4]; capacity], vertices, shift: 64 - capacity.trailing_zeros() }
+        // Three vertices a facet at most.
+        let id_mask = (3 * facets as u64 + 1).next_power_of_two() - 1;
+        let shift = 64 - capacity.trailing_zeros();
+        Self { entries: vec![FREE; capacity], vertices, id_mask: id_mask as u32, shift }
     }
 
     /// Makes room for `more` vertices at a load of at most five eighths.
@@ -220,48 +253,56 @@ impl Table {
         if capacity == self.entries.len() {
             return;
         }
-        self.entries = vec![[0; 4]; capacity];
+        self.entries = vec![FREE; capacity];
         self.shift = 64 - capacity.trailing_zeros();
         for (id, &p) in self.vertices.iter().enumerate() {
-            let mut slot = self.slot(p);
-            while self.entries[slot][3] != 0 {
+            let hash = hash(p);
+            let mut slot = self.slot(hash);
+            while self.entries[slot] != FREE {
                 slot = (slot + 1) & (capacity - 1);
             }
-            self.entries[slot] = entry(p, id);
+            self.entries[slot] = self.entry(hash, id);
         }
     }
 
-    /// Where the search for a point begins: multiplicative hashing, the high bits of the product.
+    /// Where the search for a point begins.
     #[inline(always)]
-    fn slot(&self, p: Point3) -> usize {
-        let xy = u64::from(p.x as u32) | u64::from(p.y as u32) << 32;
-        let a = xy.wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        let b = u64::from(p.z as u32).wrapping_mul(0xC2B2_AE3D_27D4_EB4F);
-        let h = (a ^ a >> 32).wrapping_add(b).wrapping_mul(0xD6E8_FEB8_6659_FD93);
-        // A second round, without which fine regular grids cluster.
-        let h = (h ^ h >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93);
-        (h >> self.shift) as usize
+    fn slot(&self, hash: u64) -> usize {
+        (hash >> self.shift) as usize
+    }
+
+    #[inline(always)]
+    fn entry(&self, hash: u64, id: usize) -> u32 {
+        hash as u32 & !self.id_mask | id as u32
     }
 
     /// Reads slots ahead of their look-up. A loop of its own: short enough that the processor keeps
     /// many of the loads in flight.
     #[inline(always)]
-    fn warm(&self, slots: &[usize]) {
-        black_box(slots.iter().fold(0, |all, &slot| all ^ self.entries[slot][3]));
+    fn warm(&self, hashes: &[u64]) {
+        black_box(hashes.iter().fold(0, |all, &hash| all ^ self.entries[self.slot(hash)]));
+    }
+
+    /// Whether an entry is that of a point; then its id.
+    #[inline(always)]
+    fn is(&self, found: u32, p: Point3, hash: u64) -> Option<u32> {
+        let id = found & self.id_mask;
+        let same = (found ^ hash as u32) & !self.id_mask == 0 && self.vertices[id as usize] == p;
+        same.then_some(id)
     }
 
     /// The id of a point that is in the table.
     #[inline(always)]
-    fn find(&self, p: Point3, mut slot: usize) -> Option<u32> {
+    fn find(&self, p: Point3, hash: u64) -> Option<u32> {
         let mask = self.entries.len() - 1;
-        let wanted = entry(p, 0);
+        let mut slot = self.slot(hash);
         loop {
             let found = self.entries[slot & mask];
-            if found[3] == 0 {
+            if found == FREE {
                 return None;
             }
-            if found[0] == wanted[0] && found[1] == wanted[1] && found[2] == wanted[2] {
-                return Some(found[3] - 1);
+            if let Some(id) = self.is(found, p, hash) {
+                return Some(id);
             }
             slot += 1;
         }
@@ -269,33 +310,28 @@ impl Table {
 
     /// The id of a point, a new one at its first occurrence.
     #[inline(always)]
-    fn id(&mut self, p: Point3, mut slot: usize) -> u32 {
+    fn id(&mut self, p: Point3, hash: u64) -> u32 {
         let mask = self.entries.len() - 1;
-        let wanted = entry(p, self.vertices.len());
+        let mut slot = self.slot(hash);
         loop {
-            let found = &mut self.entries[slot & mask];
-            if found[3] == 0 {
-                *found = wanted;
+            let found = self.entries[slot & mask];
+            if found == FREE {
+                let id = self.vertices.len();
+                self.entries[slot & mask] = self.entry(hash, id);
                 self.vertices.push(p);
-                return wanted[3] - 1;
+                return id as u32;
             }
-            if found[0] == wanted[0] && found[1] == wanted[1] && found[2] == wanted[2] {
-                return found[3] - 1;
+            if let Some(id) = self.is(found, p, hash) {
+                return id;
             }
             slot += 1;
         }
     }
 }
 
-#[inline(always)]
-fn entry(p: Point3, id: usize) -> [u32; 4] {
-    [p.x as u32, p.y as u32, p.z as u32, id as u32 + 1]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::frame::measure;
     use crate::mesh::random::Random;
     use std::collections::BTreeMap;
 
@@ -309,12 +345,19 @@ mod tests {
         }
     }
 
-    fn naive(soup: &[[[f32; 3]; 3]], frame: &Frame) -> Welded {
+    fn naive(soup: &[[[f32; 3]; 3]]) -> Welded {
+        let nm = |v: f32| (f64::from(v) * 1e6).round() as i64;
+        let origin = [0, 1, 2].map(|axis| {
+            let all = || soup.iter().flatten().map(|corner| nm(corner[axis]));
+            let (lo, hi) = (all().min().unwrap_or(0), all().max().unwrap_or(0));
+            lo + (hi - lo) / 2
+        });
         let mut ids: BTreeMap<Point3, u32> = BTreeMap::new();
         let mut welded = Welded::default();
         for facet in soup {
             let t = facet.map(|corner| {
-                let p = frame.point(corner);
+                let c = [0, 1, 2].map(|axis| (nm(corner[axis]) - origin[axis]) as i32);
+                let p = Point3::new(c[0], c[1], c[2]);
                 let new = ids.len() as u32;
                 *ids.entry(p).or_insert_with(|| {
                     welded.vertices.push(p);
@@ -336,16 +379,19 @@ mod tests {
             // From nearly everything shared to nearly nothing: the latter makes the table grow.
             for range in [2, 5, 20, 1 << 20] {
                 let mut random = Random(seed as u64);
-                let mut corner = || [0; 3].map(|_: i32| random.below(range) as f32 * 0.01 - 0.5);
+                let mut corner = || [0; 3].map(|_: i32| random.below(range) as f32 * 0.001 - 0.5);
                 let soup: Vec<_> = (0..facets).map(|_| [corner(), corner(), corner()]).collect();
-                let frame = measure(&soup).unwrap_or(Frame { origin: [0; 3] });
-                let mut expected = naive(&soup, &frame);
+                let mut expected = naive(&soup);
                 for count in [1, 2, 3, 8] {
-                    let welded = weld_in_blocks(&soup, &frame, count);
-                    assert_eq!(welded, expected, "seed {seed}, range {range}, {count} blocks");
+                    let welded = weld_in_blocks(&soup, count).map(|(welded, _)| welded);
+                    assert_eq!(welded.as_ref(), Ok(&expected), "seed {seed}, range {range}, {count} blocks");
                 }
                 expected.vertices[0].x += 1;
-                assert_ne!(weld(&soup, &frame), expected, "a planted fault must be seen");
+                assert_ne!(
+                    weld(&soup).map(|(welded, _)| welded),
+                    Ok(expected),
+                    "a planted fault must be seen"
+                );
             }
         }
     }
@@ -360,13 +406,12 @@ mod tests {
                 [0, 1, 2].map(|_| [(at + random.below(3)) as f32 * 0.001, 0.0, random.below(3) as f32])
             })
             .collect();
-        let frame = measure(&soup).unwrap_or(Frame { origin: [0; 3] });
-        let expected = naive(&soup, &frame);
+        let expected = naive(&soup);
         assert!(expected.collapsed > 0);
         for threads in [1, 2, 3, 8] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            let welded = pool.map(|pool| pool.install(|| weld(&soup, &frame)));
-            assert!(welded.is_ok_and(|welded| welded == expected), "{threads} threads");
+            let welded = pool.map(|pool| pool.install(|| weld(&soup)));
+            assert!(welded.is_ok_and(|welded| welded.is_ok_and(|w| w.0 == expected)), "{threads} threads");
         }
     }
 
@@ -375,14 +420,16 @@ mod tests {
         for step in [1, 1000, 125_000, 1 << 20, 200_000] {
             for flat in [false, true] {
                 let (nx, nz) = if flat { (256, 1) } else { (40, 41) };
-                let mut table = Table::new(0);
+                let mut table = Table::new(100_000);
+                table.entries = vec![FREE; 256];
+                table.shift = 64 - 8;
                 let mut steps = 0;
                 for i in 0..nx * nx * nz {
                     let p = Point3::new(i % nx * step, i / nx % nx * step, i / (nx * nx) * step);
                     table.reserve(1);
-                    let (first, mask) = (table.slot(p), table.entries.len() - 1);
-                    steps += (first..).take_while(|slot| table.entries[slot & mask][3] != 0).count();
-                    assert_eq!(table.id(p, first), i as u32);
+                    let (first, mask) = (table.slot(hash(p)), table.entries.len() - 1);
+                    steps += (first..).take_while(|slot| table.entries[slot & mask] != FREE).count();
+                    assert_eq!(table.id(p, hash(p)), i as u32);
                 }
                 // Random keys at the table's load of 5/16 to 5/8 take below 1.2 steps on average.
                 assert!(steps < 2 * table.vertices.len(), "step {step}, flat {flat}: {steps}");
