@@ -121,7 +121,7 @@ fn plan_loaded(
     let wall_plans: Vec<WallPlan> =
         (0..).zip(&layers).map(|(i, z)| WallPlan::new(settings, lattice::mm(z.height), i == 0)).collect();
     let islands = region::layers::all_walls(areas, &wall_plans);
-    if islands.iter().flatten().all(|i| i.walls.is_empty() && i.infill.is_empty()) {
+    if islands.iter().flatten().all(|i| i.walls.is_empty() && i.beads.is_empty() && i.infill.is_empty()) {
         let width_mm = WallPlan::new(settings, lattice::mm(layers[0].height), true).external_width as f64;
         return Err(JobError::Empty { model: name.to_owned(), width_mm: width_mm / lattice::NM_PER_MM });
     }

@@ -1,8 +1,12 @@
 //! Loops → areas: booleans, offsets, perimeters.
 
 pub mod areas;
+mod beads;
 pub mod boolean;
+pub mod gaps;
 pub mod layers;
+mod medial;
+mod near;
 pub mod offset;
 pub mod perimeters;
 mod wavefront;

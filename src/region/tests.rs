@@ -2,6 +2,7 @@
 
 use super::areas::areas;
 use super::boolean::{self, Winding};
+use super::gaps::BeadPlan;
 use super::offset::{self, Join};
 use super::perimeters::{self, Neighbours, WallPlan};
 use super::wavefront;
@@ -263,6 +264,7 @@ const PLAN: WallPlan = WallPlan {
     solid_spacing: 410_000,
     solid_width: 450_000,
     infill_overlap: 100_000,
+    beads: BeadPlan { thin_walls: false, gap_fill: false, rounding: 42_920 },
 };
 
 fn distance_to(p: Point2, a: Point2, b: Point2) -> f64 {
