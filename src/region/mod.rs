@@ -1,10 +1,14 @@
 //! Loops → areas: booleans, offsets, perimeters.
 
 pub mod areas;
+mod beads;
 pub mod boolean;
 mod extra;
 mod inside;
+pub mod gaps;
 pub mod layers;
+mod medial;
+mod near;
 pub mod offset;
 mod overhang;
 pub mod perimeters;

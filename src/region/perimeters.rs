@@ -2,13 +2,14 @@
 
 use super::boolean;
 use super::extra::extra_walls;
+use super::gaps::{self, BeadPlan};
 use super::offset::{self, Join};
 use super::overhang::Support;
-use super::{Island, Wall, wavefront};
+use super::{Bead, Island, Wall, wavefront};
 use crate::contour::{ExPolygon, Ring};
 use crate::lattice;
-use crate::settings::{OnePerimeter, Settings};
 use crate::settings::flow::{Flow, FlowRole};
+use crate::settings::{OnePerimeter, Settings};
 
 /// Where the walls of a layer lie, all in \[nm\].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +38,8 @@ pub struct WallPlan {
     pub reach: i64,
     /// Where a single wall surrounds top surfaces.
     pub one_wall: OnePerimeter,
+    /// Lines of varying width beside the walls.
+    pub beads: BeadPlan,
 }
 
 /// Two walls overlap by no more than this share of their spacing; where they would, the inner one is
@@ -70,6 +73,7 @@ impl WallPlan {
             extra: settings.perimeters.extra_perimeters && settings.infill.fill_density > 0.0,
             reach: if settings.perimeters.overhangs { lattice::nm(0.5 * bore) } else { 0 },
             one_wall: settings.perimeters.top_one_perimeter_type,
+            beads: BeadPlan::new(settings, height_mm),
         }
     }
 
@@ -96,12 +100,27 @@ impl WallPlan {
     /// How far infill lines end inside the centre line of the innermost wall, or inside the outline when
     /// there are no walls. Negative when the overlap is more than half a wall.
     pub fn infill_inset(&self) -> i64 {
-        let half = match self.count {
-            0 => return self.solid_width / 2,
-            1 => self.external_spacing / 2,
-            _ => self.perimeter_spacing / 2,
-        };
+        if self.count == 0 {
+            return self.solid_width / 2;
+        }
+        let half = self.spacing_at(self.count - 1) / 2;
         half - self.infill_overlap + (END_ALLOWANCE * self.solid_spacing as f64) as i64
+    }
+
+    /// Spacing of the walls at a depth to others like them.
+    pub(super) fn spacing_at(&self, depth: u32) -> i64 {
+        if depth == 0 { self.external_spacing } else { self.perimeter_spacing }
+    }
+
+    /// Radius of the smallest disc between the centre lines of innermost walls that has infill in it;
+    /// narrower places are filled as gaps. Where gaps are not filled, [`Self::infill_inset`].
+    fn infill_room(&self) -> i64 {
+        match self.count.checked_sub(1) {
+            Some(innermost) if self.beads.gap_fill => {
+                (0.5 * (1.0 + gaps::WIDEST_GAP) * self.spacing_at(innermost) as f64) as i64
+            }
+            _ => self.infill_inset(),
+        }
     }
 }
 
@@ -143,14 +162,24 @@ pub fn walls(areas: Vec<ExPolygon>, neighbours: &Neighbours, plan: &WallPlan) ->
 }
 
 fn island(outline: ExPolygon, plan: &WallPlan) -> Island {
-    let mut walls = Vec::new();
+    let (mut walls, mut beads) = (Vec::new(), Vec::new());
     let mut lines = vec![Line { polygon: outline.clone(), inner: Inner::Untried }];
     for depth in 0..plan.count {
         let (distance, spacing) = plan.step(depth);
         let radius = (0.5 * (1.0 - OVERLAP_TOLERANCE) * spacing as f64) as i64;
-        let next = if depth + 1 < plan.count { plan.step(depth + 1).0 } else { plan.infill_inset() };
+        let next = if depth + 1 < plan.count { plan.step(depth + 1).0 } else { plan.infill_room() };
         let radius = if plan.opened { radius } else { 0 };
-        lines = lines.into_iter().flat_map(|line| centre_lines(line, distance, radius, next)).collect();
+        lines = lines
+            .into_iter()
+            .flat_map(|line| {
+                let (polygon, next, filled) = centre_lines(line, distance, radius, next);
+                if !filled {
+                    let inner = next.iter().flat_map(|line| line.polygon.rings());
+                    beads.extend(gaps::beside_wall(&polygon, inner, depth, distance + radius, plan));
+                }
+                next
+            })
+            .collect();
         for Line { polygon, .. } in &lines {
             let wall = |hole: bool| {
                 move |ring: &Ring| Wall { ring: ring.clone(), depth, hole, overhang: Vec::new() }
@@ -159,13 +188,34 @@ fn island(outline: ExPolygon, plan: &WallPlan) -> Island {
             walls.extend(polygon.holes.iter().map(wall(true)));
         }
     }
-    let border = plan.infill_inset();
-    let infill = lines.into_iter().flat_map(|line| match line.inner {
-        Inner::Proven(polygons) => polygons,
-        Inner::Untried => offset::inset(&[line.polygon], border),
-        Inner::Unproven => offset::raw_inset(&line.polygon, border as f64),
-    });
-    Island { outline, walls, beads: Vec::new(), infill: infill.collect() }
+    let infill = lines.into_iter().flat_map(|line| infill(line, plan, &mut beads)).collect();
+    Island { outline, walls, beads, infill }
+}
+
+/// What is left for infill within an innermost wall, or within an outline without walls, and the beads
+/// that fill gaps beside it.
+fn infill(line: Line, plan: &WallPlan, beads: &mut Vec<Bead>) -> Vec<ExPolygon> {
+    let Line { polygon, inner } = line;
+    let (border, room) = (plan.infill_inset(), plan.infill_room());
+    let fill_gaps = plan.beads.gap_fill && plan.count > 0 && room > border;
+    let inner = match inner {
+        Inner::Untried => Inner::of(&polygon, if fill_gaps { room } else { border }),
+        inner => inner,
+    };
+    if !fill_gaps {
+        return inner.or_raw(&polygon, border);
+    }
+    let plain = || offset::inset(std::slice::from_ref(&polygon), border);
+    if inner.whole(&polygon).is_some() && !inner.gapes() {
+        return plain();
+    }
+    let core = inner.or_raw(&polygon, room);
+    let found = gaps::beside_infill(&polygon, core.iter().flat_map(ExPolygon::rings), room, plan);
+    if found.is_empty() {
+        return plain();
+    }
+    beads.extend(found);
+    opened(&core, room - border, &polygon, border, plain)
 }
 
 /// An area bounded by centre lines of walls, and what is known of the next step inwards.
@@ -177,14 +227,27 @@ struct Line {
 enum Inner {
     Untried,
     Unproven,
-    Proven(Vec<ExPolygon>),
+    /// The areas, and whether the inset is known to leave gaps.
+    Proven(Vec<ExPolygon>, bool),
 }
 
 impl Inner {
     fn of(polygon: &ExPolygon, distance: i64) -> Self {
-        match wavefront::inset(polygon, distance) {
-            Some(polygons) => Self::Proven(polygons),
+        match wavefront::inset_and_gaping(polygon, distance) {
+            Some((polygons, gapes)) => Self::Proven(polygons, gapes),
             None => Self::Unproven,
+        }
+    }
+
+    fn gapes(&self) -> bool {
+        !matches!(self, Self::Proven(_, false))
+    }
+
+    /// The inset of `polygon` by the same distance, by way of the polygon library if need be.
+    fn or_raw(self, polygon: &ExPolygon, distance: i64) -> Vec<ExPolygon> {
+        match self {
+            Self::Proven(polygons, _) => polygons,
+            _ => offset::raw_inset(polygon, distance as f64),
         }
     }
 
@@ -192,7 +255,7 @@ impl Inner {
     /// narrower than twice the inset's distance.
     fn whole(&self, polygon: &ExPolygon) -> Option<&ExPolygon> {
         match self {
-            Self::Proven(inset) => match inset.as_slice() {
+            Self::Proven(inset, _) => match inset.as_slice() {
                 [one] if one.holes.len() == polygon.holes.len() => Some(one),
                 _ => None,
             },
@@ -202,46 +265,52 @@ impl Inner {
 }
 
 /// The centre lines `distance` inside a line, without those parts where they would be nearer than twice
-/// `radius` to each other.
+/// `radius` to each other; with the area within the line, and whether no gaps are left in it.
 ///
 /// That is an opening, which takes three runs of the polygon library. Mostly the area is wide enough
 /// and nothing would be opened; the step inwards that comes `next` proves it and is needed anyway.
-fn centre_lines(line: Line, distance: i64, radius: i64, next: i64) -> Vec<Line> {
+fn centre_lines(line: Line, distance: i64, radius: i64, next: i64) -> (ExPolygon, Vec<Line>, bool) {
     let Line { polygon, inner } = line;
     let plain = if matches!(inner, Inner::Untried) { Inner::of(&polygon, distance) } else { inner };
     if radius == 0 {
-        let centres = match plain {
-            Inner::Proven(polygons) => polygons,
-            _ => offset::raw_inset(&polygon, distance as f64),
-        };
-        return centres.into_iter().map(|polygon| Line { polygon, inner: Inner::Untried }).collect();
+        let filled = plain.whole(&polygon).is_some() && !plain.gapes();
+        let centres = plain.or_raw(&polygon, distance);
+        let lines = centres.into_iter().map(|polygon| Line { polygon, inner: Inner::Untried }).collect();
+        return (polygon, lines, filled);
     }
     if let Some(centre) = plain.whole(&polygon) {
         let inner = if next > 0 { Inner::of(centre, next) } else { Inner::Untried };
         let wide = next >= radius && inner.whole(centre).is_some();
         if wide || Inner::of(&polygon, distance + radius).whole(&polygon).is_some() {
-            return vec![Line { polygon: centre.clone(), inner }];
+            let lines = vec![Line { polygon: centre.clone(), inner }];
+            let filled = !plain.gapes();
+            return (polygon, lines, filled);
         }
     }
-    if matches!(&plain, Inner::Proven(polygons) if polygons.is_empty()) {
-        return Vec::new();
+    if matches!(&plain, Inner::Proven(polygons, _) if polygons.is_empty()) {
+        return (polygon, Vec::new(), false);
     }
     let core = offset::inset(std::slice::from_ref(&polygon), distance + radius);
+    let plain = || plain.or_raw(&polygon, distance);
+    let lines = opened(&core, radius, &polygon, distance, plain);
+    let lines = lines.into_iter().map(|polygon| Line { polygon, inner: Inner::Untried }).collect();
+    (polygon, lines, false)
+}
+
+/// A core inside `polygon` grown by `radius`, but not beyond the `plain` inset by `distance`.
+fn opened(
+    core: &[ExPolygon],
+    radius: i64,
+    polygon: &ExPolygon,
+    distance: i64,
+    plain: impl FnOnce() -> Vec<ExPolygon>,
+) -> Vec<ExPolygon> {
     if core.is_empty() {
         return Vec::new();
     }
-    let grown = offset::outset(&core, radius, Join::Miter);
-    // Mitred corners may grow past the plain inset, which is the nearest a wall may come.
-    let opened = if keeps_clear(&grown, &polygon, distance) {
-        grown
-    } else {
-        let plain = match plain {
-            Inner::Proven(polygons) => polygons,
-            _ => offset::raw_inset(&polygon, distance as f64),
-        };
-        boolean::intersection(&grown, &plain)
-    };
-    opened.into_iter().map(|polygon| Line { polygon, inner: Inner::Untried }).collect()
+    let grown = offset::outset(core, radius, Join::Miter);
+    // Mitred corners may grow past the plain inset, which is the nearest a line may come.
+    if keeps_clear(&grown, polygon, distance) { grown } else { boolean::intersection(&grown, &plain()) }
 }
 
 /// Pairs of a corner and an edge that are worth looking at instead of calling the polygon library.
@@ -285,6 +354,7 @@ mod tests {
             extra: false,
             reach: 0,
             one_wall: OnePerimeter::None,
+            beads: BeadPlan::default(),
         }
     }
 

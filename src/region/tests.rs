@@ -2,6 +2,7 @@
 
 use super::areas::areas;
 use super::boolean::{self, Winding};
+use super::gaps::BeadPlan;
 use super::offset::{self, Join};
 use super::perimeters::{self, Neighbours, WallPlan};
 use super::wavefront;
@@ -268,6 +269,7 @@ const PLAN: WallPlan = WallPlan {
     extra: false,
     reach: 0,
     one_wall: OnePerimeter::None,
+    beads: BeadPlan { thin_walls: false, gap_fill: false, rounding: 42_920 },
 };
 
 fn distance_to(p: Point2, a: Point2, b: Point2) -> f64 {

@@ -17,22 +17,31 @@ use std::collections::BinaryHeap;
 /// The inset of one area by `distance` >= 0 \[nm\], when it is proven right; several areas or none when
 /// holes eat it up.
 pub(super) fn inset(polygon: &ExPolygon, distance: i64) -> Option<Vec<ExPolygon>> {
+    inset_and_gaping(polygon, distance).map(|(inset, _)| inset)
+}
+
+/// The same, and whether some corner of the border lies more than [`GAPING`] times the distance from
+/// what became of it. Where none does, and no ring is lost, discs of that radius reach every place but
+/// shallow dents and corners.
+pub(super) fn inset_and_gaping(polygon: &ExPolygon, distance: i64) -> Option<(Vec<ExPolygon>, bool)> {
     let origin = *polygon.contour.first()?;
     let mut rings = Vec::with_capacity(1 + polygon.holes.len());
+    let mut gaping = false;
     for (i, ring) in polygon.rings().enumerate() {
         match Front::new(ring, origin)?.advance(distance as f64)? {
-            Some(mut moved) => {
+            Some((mut moved, gapes)) => {
+                gaping |= gapes;
                 offset::simplify(&mut moved, offset::SIMPLIFY);
                 if moved.len() > 2 {
                     rings.push(moved);
                 }
             }
             // Without its contour nothing is left of an area.
-            None if i == 0 => return Some(Vec::new()),
-            None => {}
+            None if i == 0 => return Some((Vec::new(), true)),
+            None => gaping = true,
         }
     }
-    nest::nest(rings).ok()
+    Some((nest::nest(rings).ok()?, gaping))
 }
 
 /// The areas grown by `distance` \[nm\] with mitred corners, when that is proven right; not where they
@@ -43,7 +52,7 @@ pub(super) fn outset(polygons: &[ExPolygon], distance: i64) -> Option<Vec<ExPoly
     for ring in polygons.iter().flat_map(ExPolygon::rings) {
         // To grow is to inset the other side. A hole that closes leaves nothing.
         let outside: Ring = ring.iter().rev().copied().collect();
-        if let Some(mut moved) = Front::new(&outside, origin)?.advance(distance as f64)? {
+        if let Some((mut moved, _)) = Front::new(&outside, origin)?.advance(distance as f64)? {
             moved.reverse();
             offset::simplify(&mut moved, offset::SIMPLIFY);
             if moved.len() > 2 {
@@ -71,6 +80,8 @@ struct Edge {
     length: f64,
     before: u32,
     after: u32,
+    /// Index of the start in the ring that the front began as.
+    vertex: u32,
     /// Counts changes of the edge, so that events can be told to be out of date.
     version: u32,
     /// The ring's vertex at the start of the source edge; [`CAP`] for caps.
@@ -81,7 +92,7 @@ const CAP: u32 = u32::MAX;
 
 struct Front<'a> {
     edges: Vec<Edge>,
-    source: &'a [Point2],
+    ring: &'a [Point2],
     origin: Point2,
     /// Source edges that vanished beside a corner that turns away from them, see [`shadow`].
     doubtful: Vec<u32>,
@@ -96,6 +107,9 @@ const MOST_PAIRS: usize = 100_000;
 
 /// Opposite edges of the front that lie this close have nothing between them \[nm\].
 const FLAT: f64 = 2_000.0;
+
+/// A corner of a square goes 1.41 times the distance, one of 60 degrees twice.
+const GAPING: f64 = 1.8;
 
 impl<'a> Front<'a> {
     /// The front of a ring; `None` when it has edges without length or folds back inwards.
@@ -129,6 +143,7 @@ impl<'a> Front<'a> {
                 length,
                 before: 0,
                 after: 0,
+                vertex: i as u32,
                 version: 0,
                 source: i as u32,
             };
@@ -151,7 +166,7 @@ impl<'a> Front<'a> {
             edge.before = (if i == 0 { m - 1 } else { i - 1 }) as u32;
             edge.after = (if i + 1 == m { 0 } else { i + 1 }) as u32;
         }
-        Some(Self { edges, source: ring, origin, doubtful: Vec::new() })
+        Some(Self { edges, ring, origin, doubtful: Vec::new() })
     }
 
     /// Way until an edge vanishes; infinite when it does not.
@@ -202,7 +217,8 @@ impl<'a> Front<'a> {
     }
 
     /// The front after `way` \[nm\], or `Some(None)` when nothing is left of it, or `None` when it folds.
-    fn advance(mut self, way: f64) -> Option<Option<Ring>> {
+    /// With the ring it is told whether it gapes, see [`inset_and_gaping`].
+    fn advance(mut self, way: f64) -> Option<Option<(Ring, bool)>> {
         let mut left = self.edges.len();
         // Ways are not negative, so their bits sort like the numbers.
         let mut events: BinaryHeap<Reverse<(u64, u32, u32)>> = BinaryHeap::new();
@@ -267,9 +283,11 @@ impl<'a> Front<'a> {
         let mut ring = Ring::with_capacity(left);
         let limit = f64::from(LIMIT - 1);
         let mut at = head;
+        let mut gapes = false;
         for _ in 0..left {
             let edge = &self.edges[at];
             let (x, y) = edge.at(way);
+            gapes = gapes || self.gapes(edge, (x, y), way);
             // The origin is added after rounding, so that the result moves with its input.
             let place = |origin: i32, by: f64| (f64::from(origin) + by.round()).clamp(-limit, limit) as i32;
             ring.push(Point2::new(place(self.origin.x, x), place(self.origin.y, y)));
@@ -278,11 +296,36 @@ impl<'a> Front<'a> {
         if self.doubtful.len() * left > MOST_PAIRS {
             return None;
         }
-        let covers = |&i: &u32| i != CAP && shadow::Shadow::new(self.source, i as usize, way).meets(&ring);
+        let covers = |&i: &u32| i != CAP && shadow::Shadow::new(self.ring, i as usize, way).meets(&ring);
         if self.doubtful.iter().any(covers) {
             return None;
         }
-        Some(Some(ring))
+        Some(Some((ring, gapes)))
+    }
+
+    /// Whether one of the corners that have become the start of `edge`, now at `place`, was more than
+    /// [`GAPING`] times the way from there.
+    fn gapes(&self, edge: &Edge, place: (f64, f64), way: f64) -> bool {
+        let most = (GAPING * way) * (GAPING * way);
+        let n = self.ring.len();
+        let mut vertex = edge.vertex as usize;
+        // Those whose edges are gone come before it, back to the end of the edge before.
+        let last = self.edges[edge.before as usize].vertex as usize;
+        loop {
+            let (x, y) = self.ring[vertex].minus(self.origin);
+            let (dx, dy) = (x as f64 - place.0, y as f64 - place.1);
+            if dx * dx + dy * dy > most {
+                return true;
+            }
+            // Both edges at a square cap start from one corner.
+            if vertex == last {
+                return false;
+            }
+            vertex = if vertex == 0 { n - 1 } else { vertex - 1 };
+            if vertex == last {
+                return false;
+            }
+        }
     }
 }
 
