@@ -21,11 +21,7 @@ const MOST: u32 = 100;
 
 /// For each of the areas \[nm\] the number of walls to add to those of the plan, or nothing where none
 /// needs any.
-pub fn extra_walls(
-    areas: &[ExPolygon],
-    above: &[ExPolygon],
-    plan: &WallPlan,
-) -> Vec<u32> {
+pub fn extra_walls(areas: &[ExPolygon], above: &[ExPolygon], plan: &WallPlan) -> Vec<u32> {
     if plan.count == 0 || above.is_empty() || above == areas {
         return Vec::new();
     }

@@ -34,8 +34,7 @@ impl Edges {
         let high = edges.iter().map(|e| e[0].y).max().unwrap_or(0);
         let rows = (edges.len() / EDGES_PER_ROW).clamp(1, ROWS);
         let pitch = high.abs_diff(low) / rows as u32 + 1;
-        let mut all =
-            Self { edges, starts: vec![0; rows + 1], in_rows: Vec::new(), low, pitch };
+        let mut all = Self { edges, starts: vec![0; rows + 1], in_rows: Vec::new(), low, pitch };
         for i in 0..all.edges.len() {
             let [a, b] = all.edges[i];
             let (first, last) = all.rows(a.y.min(b.y), a.y.max(b.y));
@@ -90,10 +89,8 @@ impl Edges {
         let (left, right) = (a.x.min(b.x), a.x.max(b.x));
         let (low, high) = (a.y.min(b.y), a.y.max(b.y));
         for [c, d] in self.between(low, high) {
-            let apart = c.x.max(d.x) < left
-                || c.x.min(d.x) > right
-                || c.y.max(d.y) < low
-                || c.y.min(d.y) > high;
+            let apart =
+                c.x.max(d.x) < left || c.x.min(d.x) > right || c.y.max(d.y) < low || c.y.min(d.y) > high;
             if apart {
                 continue;
             }
@@ -175,9 +172,8 @@ impl Edges {
     pub fn within(&self, a: Point2, b: Point2, distance: f64, hint: &mut usize) -> bool {
         let limit = distance * distance;
         // Distance from a segment is convex, so that both ends speak for what is between them.
-        let close = |[c, d]: [Point2; 2]| {
-            offset::distance2(a, c, d) <= limit && offset::distance2(b, c, d) <= limit
-        };
+        let close =
+            |[c, d]: [Point2; 2]| offset::distance2(a, c, d) <= limit && offset::distance2(b, c, d) <= limit;
         let n = self.edges.len();
         for i in *hint..(*hint + 4).min(n) {
             if close(self.edges[i]) {
@@ -195,6 +191,49 @@ impl Edges {
         }
         found.is_some()
     }
+}
+
+/// Areas \[nm\] and their edges.
+#[derive(Debug)]
+pub struct Cover<'a> {
+    areas: &'a [ExPolygon],
+    edges: Edges,
+}
+
+impl<'a> Cover<'a> {
+    /// Sorts the edges of `areas`.
+    pub fn new(areas: &'a [ExPolygon]) -> Self {
+        Self { areas, edges: Edges::new(areas) }
+    }
+
+    /// The areas.
+    pub fn areas(&self) -> &'a [ExPolygon] {
+        self.areas
+    }
+
+    /// Whether all that closed rings bound, by an odd number of them, lies inside and does not touch the
+    /// border.
+    pub fn holds(&self, rings: &[&Ring]) -> bool {
+        if !rings.iter().all(|ring| self.edges.holds(ring)) {
+            return false;
+        }
+        // No border is crossed, so that every hole lies as a whole inside or outside of the rings.
+        let holes = self.areas.iter().flat_map(|p| &p.holes).filter_map(|hole| hole.first());
+        holes.into_iter().all(|&p| rings.iter().filter(|r| surrounds(r, p)).count() % 2 == 0)
+    }
+}
+
+/// Whether a point is inside a ring.
+fn surrounds(ring: &Ring, p: Point2) -> bool {
+    let mut inside = false;
+    let Some(mut a) = ring.last().copied() else { return false };
+    for &b in ring {
+        if (a.y <= p.y) != (b.y <= p.y) && (lattice::cross(a, b, p) > 0) == (a.y <= p.y) {
+            inside = !inside;
+        }
+        a = b;
+    }
+    inside
 }
 
 /// The edges of a closed ring, from its first point on.

@@ -3,15 +3,19 @@
 pub mod areas;
 pub mod boolean;
 mod extra;
+pub mod foot;
 mod inside;
 pub mod layers;
 pub mod offset;
+mod one_wall;
 mod overhang;
 pub mod perimeters;
 mod wavefront;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod wall_tests;
 
 use crate::contour::{ExPolygon, Ring};
 use crate::lattice::Point2;
