@@ -15,7 +15,7 @@ use crate::mesh::{self, Loaded, Placement};
 use crate::path::{LayerPlan, Planner, PrintIsland, PrintLayer, Role};
 use crate::region::offset::{Join, inset, outset};
 use crate::region::perimeters::WallPlan;
-use crate::region::{Island, areas};
+use crate::region::{Island, areas, foot};
 use crate::settings::Settings;
 use crate::settings::flow::{Flow, FlowRole};
 use crate::slice::planes::{self, LayerZ};
@@ -116,10 +116,10 @@ fn plan_loaded(
 
     progress.stage("walls");
     watch.stage("walls");
-    let areas = outlines(&traced.layers, settings);
-    drop(traced.layers);
     let wall_plans: Vec<WallPlan> =
         (0..).zip(&layers).map(|(i, z)| WallPlan::new(settings, lattice::mm(z.height), i == 0)).collect();
+    let areas = outlines(&traced.layers, wall_plans.first(), settings);
+    drop(traced.layers);
     let islands = region::layers::all_walls(areas, &wall_plans);
     if islands.iter().flatten().all(|i| i.walls.is_empty() && i.beads.is_empty() && i.infill.is_empty()) {
         let width_mm = WallPlan::new(settings, lattice::mm(layers[0].height), true).external_width as f64;
@@ -248,19 +248,26 @@ fn skirt(islands: &[Vec<Island>], layers: &[LayerZ], settings: &Settings) -> Vec
 }
 
 /// The areas of every layer, grown or shrunk as the settings ask.
-fn outlines(contours: &[LayerContours], settings: &Settings) -> Vec<Vec<ExPolygon>> {
+fn outlines(
+    contours: &[LayerContours],
+    first: Option<&WallPlan>,
+    settings: &Settings,
+) -> Vec<Vec<ExPolygon>> {
     let slicing = &settings.slicing;
     contours
         .par_iter()
         .enumerate()
         .map(|(i, contours)| {
-            let foot = if i == 0 { slicing.elefant_foot_compensation.nm(0) } else { 0 };
-            let grow = lattice::nm(slicing.xy_size_compensation) - foot;
             let area = areas::areas(&contours.rings);
-            match grow {
+            let area = match lattice::nm(slicing.xy_size_compensation) {
                 0 => area,
-                1.. => outset(&area, grow, Join::Miter),
-                _ => inset(&area, -grow),
+                grow @ 1.. => outset(&area, grow, Join::Miter),
+                shrink => inset(&area, -shrink),
+            };
+            let foot = slicing.elefant_foot_compensation.nm(0);
+            match first {
+                Some(plan) if i == 0 && foot > 0 => foot::compensate(&area, foot, plan.external_width),
+                _ => area,
             }
         })
         .collect()

@@ -193,6 +193,49 @@ impl Edges {
     }
 }
 
+/// Areas \[nm\] and their edges.
+#[derive(Debug)]
+pub struct Cover<'a> {
+    areas: &'a [ExPolygon],
+    edges: Edges,
+}
+
+impl<'a> Cover<'a> {
+    /// Sorts the edges of `areas`.
+    pub fn new(areas: &'a [ExPolygon]) -> Self {
+        Self { areas, edges: Edges::new(areas) }
+    }
+
+    /// The areas.
+    pub fn areas(&self) -> &'a [ExPolygon] {
+        self.areas
+    }
+
+    /// Whether all that closed rings bound, by an odd number of them, lies inside and does not touch the
+    /// border.
+    pub fn holds(&self, rings: &[&Ring]) -> bool {
+        if !rings.iter().all(|ring| self.edges.holds(ring)) {
+            return false;
+        }
+        // No border is crossed, so that every hole lies as a whole inside or outside of the rings.
+        let holes = self.areas.iter().flat_map(|p| &p.holes).filter_map(|hole| hole.first());
+        holes.into_iter().all(|&p| rings.iter().filter(|r| surrounds(r, p)).count() % 2 == 0)
+    }
+}
+
+/// Whether a point is inside a ring.
+fn surrounds(ring: &Ring, p: Point2) -> bool {
+    let mut inside = false;
+    let Some(mut a) = ring.last().copied() else { return false };
+    for &b in ring {
+        if (a.y <= p.y) != (b.y <= p.y) && (lattice::cross(a, b, p) > 0) == (a.y <= p.y) {
+            inside = !inside;
+        }
+        a = b;
+    }
+    inside
+}
+
 /// The edges of a closed ring, from its first point on.
 pub fn ring_edges(ring: &Ring) -> impl Iterator<Item = [Point2; 2]> + '_ {
     let ends = ring.iter().skip(1).chain(ring.first());

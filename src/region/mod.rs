@@ -4,12 +4,14 @@ pub mod areas;
 mod beads;
 pub mod boolean;
 mod extra;
+pub mod foot;
 mod inside;
 pub mod gaps;
 pub mod layers;
 mod medial;
 mod near;
 pub mod offset;
+mod one_wall;
 mod overhang;
 pub mod perimeters;
 mod shadow;
@@ -17,6 +19,8 @@ mod wavefront;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod wall_tests;
 
 use crate::contour::{ExPolygon, Ring};
 use crate::lattice::Point2;

@@ -2,16 +2,14 @@
 
 use super::Island;
 use super::Wall;
-use super::inside::{Edges, between};
+use super::inside::{Cover, Edges, between};
 use super::offset::{self, Join};
 use crate::contour::{ExPolygon, Ring};
-use crate::lattice::Point2;
 use std::cell::OnceCell;
 
 /// The layer below, as far as walls lie on it.
 pub struct Support<'a> {
-    below: &'a [ExPolygon],
-    edges: Edges,
+    below: Cover<'a>,
     /// How far a wall's centre line may lie outside the layer below \[nm\].
     reach: i64,
     /// The layer below grown by that.
@@ -21,45 +19,22 @@ pub struct Support<'a> {
 impl<'a> Support<'a> {
     /// The areas `below`; walls whose centre line lies more than `reach` \[nm\] outside hang in air.
     pub fn new(below: &'a [ExPolygon], reach: i64) -> Self {
-        Self { below, edges: Edges::new(below), reach, grown: OnceCell::new() }
+        Self { below: Cover::new(below), reach, grown: OnceCell::new() }
     }
 
     /// Flags the parts of an island's walls that hang in air, and gives them corners where those begin
     /// and end.
     pub fn flag(&self, island: &mut Island) {
-        if self.carries(&island.walls) {
+        let outer = island.walls.iter().filter(|w| w.depth == 0).map(|w| &w.ring);
+        // What lies inside these does so too.
+        if self.below.holds(&outer.collect::<Vec<_>>()) {
             return;
         }
-        let grown =
-            self.grown.get_or_init(|| Edges::new(&offset::outset(self.below, self.reach, Join::Miter)));
+        let grow = || offset::outset(self.below.areas(), self.reach, Join::Miter);
+        let grown = self.grown.get_or_init(|| Edges::new(&grow()));
         let least = self.reach as f64;
         island.walls.iter_mut().for_each(|wall| flag(wall, grown, least));
     }
-
-    /// Whether everything inside the outermost walls lies within the layer below.
-    fn carries(&self, walls: &[Wall]) -> bool {
-        let outer = || walls.iter().filter(|w| w.depth == 0).map(|w| &w.ring);
-        if !outer().all(|ring| self.edges.holds(ring)) {
-            return false;
-        }
-        // The walls cross no border of the layer below, so that a hole of it lies as a whole inside or
-        // outside of them.
-        let holes = self.below.iter().flat_map(|p| &p.holes);
-        holes.filter_map(|hole| hole.first()).all(|&p| outer().filter(|r| surrounds(r, p)).count() % 2 == 0)
-    }
-}
-
-/// Whether a point is inside a ring.
-fn surrounds(ring: &Ring, p: Point2) -> bool {
-    let mut inside = false;
-    let Some(mut a) = ring.last().copied() else { return false };
-    for &b in ring {
-        if (a.y <= p.y) != (b.y <= p.y) && (crate::lattice::cross(a, b, p) > 0) == (a.y <= p.y) {
-            inside = !inside;
-        }
-        a = b;
-    }
-    inside
 }
 
 /// A part of a wall, all of it supported or all of it not.

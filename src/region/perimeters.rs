@@ -3,7 +3,9 @@
 use super::boolean;
 use super::extra::extra_walls;
 use super::gaps::{self, BeadPlan};
+use super::inside::Cover;
 use super::offset::{self, Join};
+use super::one_wall::{self, Top};
 use super::overhang::Support;
 use super::{Bead, Island, Wall, wavefront};
 use crate::contour::{ExPolygon, Ring};
@@ -150,9 +152,13 @@ pub fn walls(areas: Vec<ExPolygon>, neighbours: &Neighbours, plan: &WallPlan) ->
         Some(below) if plan.reach > 0 => Some(Support::new(below, plan.reach)),
         _ => None,
     };
+    // Without a layer above, everything is a top surface.
+    let single = plan.one_wall != OnePerimeter::None && neighbours.above.is_none();
+    let cover = neighbours.above.filter(|_| plan.one_wall == OnePerimeter::Top).map(Cover::new);
     let build = |(i, outline)| {
         let count = plan.count + extra.get(i).copied().unwrap_or(0);
-        let mut island = island(outline, &WallPlan { count, ..*plan });
+        let count = if single { count.min(1) } else { count };
+        let mut island = island(outline, cover.as_ref(), &WallPlan { count, ..*plan });
         if let Some(support) = &support {
             support.flag(&mut island);
         }
@@ -161,8 +167,9 @@ pub fn walls(areas: Vec<ExPolygon>, neighbours: &Neighbours, plan: &WallPlan) ->
     areas.into_iter().enumerate().map(build).collect()
 }
 
-fn island(outline: ExPolygon, plan: &WallPlan) -> Island {
+fn island(outline: ExPolygon, above: Option<&Cover>, plan: &WallPlan) -> Island {
     let (mut walls, mut beads) = (Vec::new(), Vec::new());
+    let (mut tops, mut second) = (Vec::new(), Vec::new());
     let mut lines = vec![Line { polygon: outline.clone(), inner: Inner::Untried }];
     for depth in 0..plan.count {
         let (distance, spacing) = plan.step(depth);
@@ -187,9 +194,35 @@ fn island(outline: ExPolygon, plan: &WallPlan) -> Island {
             walls.push(wall(false)(&polygon.contour));
             walls.extend(polygon.holes.iter().map(wall(true)));
         }
+        match depth {
+            0 if plan.count > 1 => lines = covered(lines, above, plan, &mut tops),
+            1 if !tops.is_empty() => second = lines.iter().map(|line| line.polygon.clone()).collect(),
+            _ => {}
+        }
     }
-    let infill = lines.into_iter().flat_map(|line| infill(line, plan, &mut beads)).collect();
+    let mut infill: Vec<ExPolygon> =
+        lines.into_iter().flat_map(|line| infill(line, plan, &mut beads)).collect();
+    if !tops.is_empty() {
+        infill.extend(one_wall::infill(&tops, &second, plan));
+    }
     Island { outline, walls, beads, infill }
+}
+
+/// Where walls go on inside the external one; areas that the layer above leaves open are added to `tops`.
+fn covered(lines: Vec<Line>, above: Option<&Cover>, plan: &WallPlan, tops: &mut Vec<Top>) -> Vec<Line> {
+    let Some(above) = above else { return lines };
+    let mut left = Vec::with_capacity(lines.len());
+    for line in lines {
+        match one_wall::split(&line.polygon, above, plan) {
+            None => left.push(line),
+            Some(mut top) => {
+                let covered = std::mem::take(&mut top.covered).into_iter();
+                left.extend(covered.map(|polygon| Line { polygon, inner: Inner::Untried }));
+                tops.push(top);
+            }
+        }
+    }
+    left
 }
 
 /// What is left for infill within an innermost wall, or within an outline without walls, and the beads
