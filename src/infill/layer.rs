@@ -5,7 +5,7 @@ use super::combine::{Thick, combine};
 use super::patterns::{self, Sparse};
 use super::rectilinear::{Style, lay};
 use super::regions::{Compared, Regions};
-use super::skin::{Areas, Level, divide};
+use super::skin::{Areas, Level, Skins, Stack};
 use super::{FillKind, FillPath, FillPlan};
 use crate::contour::Ring;
 use crate::region::Island;
@@ -42,9 +42,11 @@ pub fn fill(layers: &[FillLayer], plan: &FillPlan) -> Vec<Vec<Vec<FillPath>>> {
         layers.iter().map(|l| Level { top: l.print_z, bottom: l.print_z - l.height }).collect();
     let outlines = on_rows(layers, &frame, |i| i.outline.rings());
     let own = on_rows(layers, &frame, |i| i.infill.iter().flat_map(|e| e.rings()));
-    let mut areas = divided(&own, &outlines, &levels, &frame, plan);
+    let stack = Stack { outlines: &outlines, own: &own, levels: &levels, frame: &frame, plan };
+    let skins: Vec<Skins> = (0..layers.len()).into_par_iter().map(|i| stack.skins(i)).collect();
+    let mut areas: Vec<Areas> = (0..layers.len()).into_par_iter().map(|i| stack.divide(i, &skins)).collect();
     let bridges = bridges(&mut areas, &own, &outlines, &frame, plan);
-    let sparse = combine(&mut areas, &levels, plan);
+    let sparse = combine(&mut areas, &levels, &frame, plan);
     layers
         .par_iter()
         .enumerate()
@@ -91,18 +93,6 @@ fn on_rows<'a, R: Iterator<Item = &'a Ring>>(
         shared.push(Arc::clone(&last));
     }
     shared
-}
-
-/// Every layer's areas.
-fn divided(
-    own: &[Arc<Rows>],
-    outlines: &[Arc<Rows>],
-    levels: &[Level],
-    frame: &RowFrame,
-    plan: &FillPlan,
-) -> Vec<Areas> {
-    let outlines: Vec<&Rows> = outlines.iter().map(|o| &**o).collect();
-    own.par_iter().enumerate().map(|(i, own)| divide(i, own, &outlines, levels, frame, plan)).collect()
 }
 
 /// Takes the bridges out of every layer's areas, those over sparse infill and those over air; what is
@@ -166,6 +156,10 @@ impl Filling<'_> {
         }
         let (compared, plan, layer) = (self.compared, self.plan, self.layer);
         for part in parts {
+            // Counted in layers of this thickness: lines turn from one to the next.
+            let layer = layer / part.layers as usize;
+            let thicker = (part.layers > 1).then(|| plan.thicker(part.more));
+            let plan = thicker.as_ref().unwrap_or(plan);
             let sparse = Sparse { compared, area: &part.rows, plan, layer, print_z, layers: part.layers };
             let islands = &compared.regions.island_of_region;
             patterns::lay(&sparse, |region, path| self.out[islands[region]].push(path));

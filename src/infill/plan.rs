@@ -1,9 +1,9 @@
 //! Settings and flows → what the infill stage needs, in nanometres.
 
 use super::FillKind;
-use crate::lattice::{mm, nm};
-use crate::settings::flow::{Flow, FlowRole};
-use crate::settings::{FillPattern, Settings};
+use crate::lattice::{NM_PER_MM, mm, nm};
+use crate::settings::flow::{Flow, FlowRole, Section};
+use crate::settings::{FillPattern, Settings, VerticalShell};
 use crate::span::RowFrame;
 
 /// How to fill the layers of one object.
@@ -36,6 +36,14 @@ pub struct FillPlan {
     pub solid_below_area: f64,
     /// Every N-th layer is solid; 0 = never.
     pub solid_every: u32,
+    /// What is done to keep the shell's thickness on slopes.
+    pub vertical_shell: VerticalShell,
+    /// Sparse areas that as many layers have in common are printed on the topmost of them; 1 = none.
+    pub combine: u32,
+    /// Thickest line \[nm\]: the nozzle's bore.
+    pub thickest: i64,
+    /// How far skins that are exposed to air reach into the part \[nm\].
+    pub margin: f64,
 }
 
 impl FillPlan {
@@ -69,6 +77,10 @@ impl FillPlan {
             bottom_thickness: nm(i.bottom_solid_min_thickness),
             solid_below_area: i.solid_infill_below_area,
             solid_every: i.solid_infill_every_layers,
+            vertical_shell: i.ensure_vertical_shell_thickness,
+            combine: i.infill_every_layers.max(1),
+            thickest: nm(settings.printer.nozzle_diameter),
+            margin: nm(i.external_infill_margin) as f64,
         }
     }
 
@@ -77,6 +89,19 @@ impl FillPlan {
     pub fn for_heights(settings: &Settings, heights: impl Iterator<Item = i32>) -> Self {
         let own = |(i, height): (usize, i32)| spacings(mm(height), i == 0, settings);
         Self { layer_spacing: heights.enumerate().map(own).collect(), ..Self::new(settings) }
+    }
+
+    /// The plan for sparse lines that are thicker than usual by `more` \[nm\] at the same width: their flanks
+    /// are rounder, so that they lie closer.
+    pub(super) fn thicker(&self, more: i64) -> Self {
+        let narrower = Flow { width: 1.0, height: 0.0, section: Section::Rounded }.spacing()
+            - Flow { width: 1.0, height: more as f64 / NM_PER_MM, section: Section::Rounded }.spacing();
+        let mut plan = self.clone();
+        for spacing in [&mut plan.first_spacing, &mut plan.spacing] {
+            let spacing = &mut spacing[FillKind::Sparse as usize];
+            *spacing = (*spacing - narrower * NM_PER_MM).max(*spacing / 4.0);
+        }
+        plan
     }
 
     /// True when a kind's lines are turned by 90 degrees on layer `i`.
