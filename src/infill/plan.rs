@@ -3,7 +3,7 @@
 use super::FillKind;
 use crate::lattice::{mm, nm};
 use crate::settings::flow::{Flow, FlowRole};
-use crate::settings::{FillPattern, Settings};
+use crate::settings::{FillPattern, FloatOrPercent, Settings};
 use crate::span::RowFrame;
 
 /// How to fill the layers of one object.
@@ -24,6 +24,12 @@ pub struct FillPlan {
     /// The same per layer \[nm\] where layers differ in thickness; empty where all but the first have one.
     /// Sparse lines keep theirs, so that they lie upon each other.
     pub layer_spacing: Vec<[f64; FillKind::COUNT]>,
+    /// Spacing of sparse lines that are 2, 3, ... layers thick \[nm\], as far as the nozzle allows.
+    pub thick_spacing: Vec<f64>,
+    /// Length of a sparse line's end along the wall \[nm\]; 0 = none.
+    pub anchor: f64,
+    /// Longest link along a wall between two sparse lines \[nm\]; 0 = neither links nor anchors.
+    pub anchor_max: f64,
     /// Solid layers under a top surface.
     pub top_layers: u32,
     /// Solid layers over a bottom surface.
@@ -53,6 +59,8 @@ impl FillPlan {
                 settings,
             )
         };
+        let width = Flow::new(FlowRole::Infill, settings.slicing.layer_height, false, settings).width;
+        let along = |length: FloatOrPercent| nm(length.of(width)) as f64;
         let turns = |p: FillPattern| p != FillPattern::AlignedRectilinear;
         let [sparse, solid, top] = [i.fill_pattern, i.bottom_fill_pattern, i.top_fill_pattern].map(turns);
         Self {
@@ -63,6 +71,9 @@ impl FillPlan {
             first_spacing: spacing(true),
             spacing: spacing(false),
             layer_spacing: Vec::new(),
+            thick_spacing: thick_spacings(settings),
+            anchor: along(i.infill_anchor),
+            anchor_max: along(i.infill_anchor_max),
             top_layers: i.top_solid_layers,
             bottom_layers: i.bottom_solid_layers,
             top_thickness: nm(i.top_solid_min_thickness),
@@ -100,6 +111,13 @@ impl FillPlan {
         RowFrame::new(degrees, 0.0, self.pitch(kind, i))
     }
 
+    /// Distance between sparse lines at full density on layer `i` \[nm\] where they are `layers` thick.
+    pub(super) fn sparse_spacing(&self, i: usize, layers: u32) -> f64 {
+        let thick = layers.checked_sub(2).and_then(|n| self.thick_spacing.get(n as usize)).copied();
+        let own = if i == 0 { self.first_spacing } else { self.spacing }[FillKind::Sparse as usize];
+        thick.filter(|s| *s > 0.0).unwrap_or(own)
+    }
+
     /// Distance between the lines of a kind on layer `i` \[nm\].
     pub(super) fn pitch(&self, kind: FillKind, i: usize) -> f64 {
         let spacing = if i == 0 { self.first_spacing } else { self.spacing }[kind as usize];
@@ -108,6 +126,16 @@ impl FillPlan {
             _ => self.layer_spacing.get(i).map_or(spacing, |own| own[kind as usize]),
         }
     }
+}
+
+/// Spacing of sparse lines that are 2, 3, ... layers thick \[nm\]: a thicker line of one width is rounder,
+/// so that lines of full density lie closer.
+fn thick_spacings(settings: &Settings) -> Vec<f64> {
+    let layer = settings.slicing.layer_height;
+    let most = (settings.printer.nozzle_diameter / layer + 1e-6).min(1000.0) as u32;
+    (2..=most.min(settings.infill.infill_every_layers))
+        .map(|n| Flow::new(FlowRole::Infill, f64::from(n) * layer, false, settings).spacing_nm() as f64)
+        .collect()
 }
 
 /// Line spacing per kind on a layer of `height` \[mm\], in nanometres.
