@@ -20,8 +20,6 @@ pub struct Thick {
     pub rows: Rows,
     /// Number of layers.
     pub layers: u32,
-    /// What the layers under this one are thick together \[nm\].
-    pub more: i64,
 }
 
 /// Divides the sparse areas of all layers, which are taken, among the layers on which they are printed:
@@ -34,7 +32,7 @@ pub fn combine(areas: &mut [Areas], levels: &[Level], frame: &RowFrame, plan: &F
     let least = (LEAST / frame.mm2_per_unit()).min(1e18) as i64;
     let parts: Vec<Vec<Vec<Thick>>> = groups(areas, levels, plan)
         .into_par_iter()
-        .map(|(group, height)| {
+        .map(|group| {
             let common = common(group, least);
             let count = group.len();
             let mut out: Vec<Vec<Thick>> = group
@@ -42,14 +40,14 @@ pub fn combine(areas: &mut [Areas], levels: &[Level], frame: &RowFrame, plan: &F
                 .map(|a| {
                     let own = std::mem::take(&mut a.sparse);
                     let rows = if common.is_empty() { own } else { rest(&own, &common, frame, plan) };
-                    let part = Thick { rows, layers: 1, more: 0 };
+                    let part = Thick { rows, layers: 1 };
                     if part.rows.is_empty() { Vec::new() } else { vec![part] }
                 })
                 .collect();
             if let Some(last) = out.last_mut()
                 && !common.is_empty()
             {
-                last.push(Thick { rows: common, layers: count as u32, more: height });
+                last.push(Thick { rows: common, layers: count as u32 });
             }
             out
         })
@@ -57,8 +55,8 @@ pub fn combine(areas: &mut [Areas], levels: &[Level], frame: &RowFrame, plan: &F
     parts.into_iter().flatten().collect()
 }
 
-/// The layers that go together, and the thickness of all but the topmost \[nm\].
-fn groups<'a>(areas: &'a mut [Areas], levels: &[Level], plan: &FillPlan) -> Vec<(&'a mut [Areas], i64)> {
+/// The layers that go together.
+fn groups<'a>(areas: &'a mut [Areas], levels: &[Level], plan: &FillPlan) -> Vec<&'a mut [Areas]> {
     let mut rest = areas;
     let mut out = Vec::new();
     let mut at = 0;
@@ -68,8 +66,7 @@ fn groups<'a>(areas: &'a mut [Areas], levels: &[Level], plan: &FillPlan) -> Vec<
         let most = if at == 0 { 1 } else { plan.combine as usize };
         let count = (2..=most).take_while(fits).last().unwrap_or(1);
         let (group, behind) = rest.split_at_mut(count);
-        let topmost = levels[at + count - 1];
-        out.push((group, topmost.bottom - levels[at].bottom));
+        out.push(group);
         rest = behind;
         at += count;
     }

@@ -1,9 +1,10 @@
 //! All layers: regions on rows, areas by kind, lines.
 
+use super::anchor::Everywhere;
 use super::bridge::{Bridge, over_air, over_sparse};
 use super::combine::{Thick, combine};
 use super::patterns::{self, Sparse};
-use super::rectilinear::{Style, lay};
+use super::rectilinear::{Chain, Links, chains};
 use super::regions::{Compared, Regions};
 use super::skin::{Areas, Level, Skins, Stack};
 use super::{FillKind, FillPath, FillPlan};
@@ -158,8 +159,6 @@ impl Filling<'_> {
         for part in parts {
             // Counted in layers of this thickness: lines turn from one to the next.
             let layer = layer / part.layers as usize;
-            let thicker = (part.layers > 1).then(|| plan.thicker(part.more));
-            let plan = thicker.as_ref().unwrap_or(plan);
             let sparse = Sparse { compared, area: &part.rows, plan, layer, print_z, layers: part.layers };
             let islands = &compared.regions.island_of_region;
             patterns::lay(&sparse, |region, path| self.out[islands[region]].push(path));
@@ -179,8 +178,13 @@ impl Filling<'_> {
         let area = self.compared.onto(area, trace, lines);
         let border = self.compared.regions.border(trace, lines);
         let least = self.plan.pitch(FillKind::Solid, self.layer);
-        let style = Style { kind, pitch: self.plan.pitch(kind, self.layer), least };
-        let islands = &self.compared.regions.island_of_region;
-        lay(&border, &area, style, |region, path| self.out[islands[region]].push(path));
+        let (pitch, islands) = (self.plan.pitch(kind, self.layer), &self.compared.regions.island_of_region);
+        let mut links = Links::near(pitch, &Everywhere);
+        if !self.plan.linked[kind as usize] {
+            (links.border, links.straight) = (0.0, 0.0);
+        }
+        chains(&border, &area, least, links, |Chain { region, points, .. }| {
+            self.out[islands[region]].push(FillPath { points, kind, layers: 1 });
+        });
     }
 }
