@@ -1,7 +1,7 @@
 //! All layers: regions on rows, areas by kind, lines.
 
 use super::anchor::Everywhere;
-use super::bridge::{Bridge, over_air, over_sparse};
+use super::bridge::{Bridge, Grid, over_air, over_sparse, union};
 use super::combine::{Thick, combine};
 use super::patterns::{self, Sparse};
 use super::rectilinear::{Chain, Links, chains};
@@ -10,7 +10,7 @@ use super::skin::{Areas, Level, Skins, Stack};
 use super::{FillKind, FillPath, FillPlan};
 use crate::contour::Ring;
 use crate::region::Island;
-use crate::span::algebra::or;
+use crate::span::algebra::{or, sub};
 use crate::span::{RowFrame, Rows, Trace, scan};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -105,34 +105,45 @@ fn bridges(
     frame: &RowFrame,
     plan: &FillPlan,
 ) -> Vec<[Vec<Bridge>; 2]> {
-    let internal: Vec<(Option<Rows>, Vec<Bridge>)> = (0..areas.len())
+    let grid = Grid { frame, degrees: plan.angle };
+    let internal: Vec<Option<Bridge>> = (0..areas.len())
         .into_par_iter()
         .map(|i| {
-            let Some(below) = i.checked_sub(1).map(|b| &areas[b].sparse) else { return Default::default() };
-            if areas[i].solid.is_empty() || below.is_empty() {
-                return Default::default();
+            let below = i.checked_sub(1)?;
+            let rules = plan.bridges.filter(|_| plan.density > 0.0)?;
+            let (solid, sparse) = (&areas[i].solid, &areas[below].sparse);
+            if solid.is_empty() || sparse.is_empty() {
+                return None;
             }
-            let mut solid = areas[i].solid.clone();
-            let found = over_sparse(&own[i], &mut solid, below, frame, plan);
-            ((!found.is_empty()).then_some(solid), found)
+            over_sparse(solid, sparse, grid, plan.across_sparse(below), &rules)
         })
         .collect();
     areas
         .par_iter_mut()
         .zip(internal)
         .enumerate()
-        .map(|(i, (areas, (solid, internal)))| {
-            if let Some(solid) = solid {
-                areas.solid = solid;
+        .map(|(i, (areas, internal))| {
+            let mut internal = Vec::from_iter(internal);
+            for bridge in &internal {
+                areas.solid = sub(&areas.solid, &bridge.rows);
             }
-            if areas.bottom.is_empty() {
+            let bottom = std::mem::take(&mut areas.bottom);
+            if bottom.is_empty() {
                 return [internal, Vec::new()];
             }
-            let mut bottom = std::mem::take(&mut areas.bottom);
             let below = i.checked_sub(1).and_then(|b| outlines.get(b));
-            let found =
-                below.map_or_else(Vec::new, |below| over_air(&own[i], &mut bottom, below, frame, plan));
+            let found = below.zip(plan.bridges).map_or_else(Vec::new, |(below, rules)| {
+                over_air(&own[i], &bottom, below, grid, plan.degrees(FillKind::Solid, i), &rules)
+            });
             areas.solid = or(&areas.solid, &bottom);
+            if !found.is_empty() {
+                // Anchors are taken from whatever is there.
+                let taken = union(&found);
+                for area in [&mut areas.sparse, &mut areas.solid, &mut areas.top] {
+                    *area = sub(area, &taken);
+                }
+                internal.iter_mut().for_each(|b| b.rows = sub(&b.rows, &taken));
+            }
             [internal, found]
         })
         .collect()

@@ -1,6 +1,7 @@
 //! Settings and flows → what the infill stage needs, in nanometres.
 
 use super::FillKind;
+use super::bridge::{BridgePlan, across};
 use crate::lattice::{mm, nm};
 use crate::settings::flow::{Flow, FlowRole};
 use crate::settings::{FillPattern, FloatOrPercent, Settings, VerticalShell};
@@ -52,6 +53,8 @@ pub struct FillPlan {
     pub thickest: i64,
     /// How far skins that are exposed to air reach into the part \[nm\].
     pub margin: f64,
+    /// How to bridge; without it skins over air are laid like any others, as on supports.
+    pub bridges: Option<BridgePlan>,
 }
 
 impl FillPlan {
@@ -96,6 +99,7 @@ impl FillPlan {
             combine: i.infill_every_layers.max(1),
             thickest: nm(settings.printer.nozzle_diameter),
             margin: nm(i.external_infill_margin) as f64,
+            bridges: Some(BridgePlan::new(settings)),
         }
     }
 
@@ -118,8 +122,26 @@ impl FillPlan {
 
     /// The rows on which the lines of a kind lie on layer `i`.
     pub(super) fn line_frame(&self, kind: FillKind, i: usize) -> RowFrame {
-        let turn = if self.is_turned(kind, i) { 90.0 } else { 0.0 };
-        RowFrame::new(self.angle + turn, 0.0, self.pitch(kind, i))
+        RowFrame::new(self.degrees(kind, i), 0.0, self.pitch(kind, i))
+    }
+
+    /// Direction of the lines of a kind on layer `i` \[degrees\].
+    pub(super) fn degrees(&self, kind: FillKind, i: usize) -> f64 {
+        self.angle + if self.is_turned(kind, i) { 90.0 } else { 0.0 }
+    }
+
+    /// The direction \[degrees\] that crosses the sparse lines of layer `i` best.
+    pub(super) fn across_sparse(&self, i: usize) -> f64 {
+        let own = self.degrees(FillKind::Sparse, i);
+        let lines: &[f64] = match self.pattern {
+            FillPattern::Grid => &[0.0, 90.0],
+            FillPattern::Triangles | FillPattern::Stars | FillPattern::Cubic => &[0.0, 60.0, 120.0],
+            // One of its three directions is that of the double walls.
+            FillPattern::Honeycomb => &[0.0, 60.0, 120.0],
+            _ => &[0.0],
+        };
+        let lines: Vec<f64> = lines.iter().map(|d| own + d).collect();
+        across(&lines, own + 90.0)
     }
 
     /// The rows on which the lines of a bridge lie on layer `i`.

@@ -2,6 +2,7 @@
 
 use super::extra::extra_walls;
 use super::foot::compensate;
+use super::gaps::BeadPlan;
 use super::inside::{Cover, Edges};
 use super::layers::all_walls;
 use super::perimeters::{Neighbours, WallPlan, walls};
@@ -22,6 +23,7 @@ const PLAN: WallPlan = WallPlan {
     extra: true,
     reach: 200_000,
     one_wall: OnePerimeter::None,
+    beads: BeadPlan { thin_walls: false, gap_fill: false, rounding: 0 },
 };
 
 /// A rectangle from corners in micrometres.

@@ -79,7 +79,7 @@ fn random_job(seed: u64) -> (Vec<Vec<Island>>, FillPlan) {
 
 #[test]
 fn every_path_stays_inside() {
-    let (mut kinds, mut links) = ([0; 3], 0);
+    let (mut kinds, mut links) = ([0; FillKind::COUNT], 0);
     for seed in 1..16 {
         let (layers, plan) = random_job(seed);
         for (i, (paths, layer)) in fill(&stack(&layers), &plan).iter().zip(&layers).enumerate() {
@@ -92,7 +92,7 @@ fn every_path_stays_inside() {
             assert!(worst < 3.5, "seed {seed}, layer {i}: {worst} nm outside");
         }
     }
-    assert!(kinds.iter().all(|&n| n > 300) && links > 1000, "{kinds:?} {links}");
+    assert!(kinds.iter().all(|&n| n > 40) && links > 1000, "{kinds:?} {links}");
 }
 
 #[test]
