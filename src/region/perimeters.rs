@@ -175,7 +175,7 @@ fn island(outline: ExPolygon, above: Option<&Cover>, plan: &WallPlan) -> Island 
         let (distance, spacing) = plan.step(depth);
         let radius = (0.5 * (1.0 - OVERLAP_TOLERANCE) * spacing as f64) as i64;
         let next = if depth + 1 < plan.count { plan.step(depth + 1).0 } else { plan.infill_room() };
-        let radius = if plan.opened { radius } else { 0 };
+        let radius = if plan.opened || depth > 0 { radius } else { 0 };
         lines = lines
             .into_iter()
             .flat_map(|line| {
