@@ -14,12 +14,12 @@ pub struct Edges {
     /// Indices of the edges that reach into each row.
     in_rows: Vec<u32>,
     low: i32,
-    /// Height of a row \[nm\], at least 1.
-    pitch: u32,
+    /// Rows are 2^shift nm high.
+    shift: u32,
 }
 
 /// Edges to a row, about.
-const EDGES_PER_ROW: usize = 4;
+const EDGES_PER_ROW: usize = 2;
 
 /// Most rows.
 const ROWS: usize = 4096;
@@ -33,8 +33,10 @@ impl Edges {
         let low = edges.iter().map(|e| e[0].y).min().unwrap_or(0);
         let high = edges.iter().map(|e| e[0].y).max().unwrap_or(0);
         let rows = (edges.len() / EDGES_PER_ROW).clamp(1, ROWS);
-        let pitch = high.abs_diff(low) / rows as u32 + 1;
-        let mut all = Self { edges, starts: vec![0; rows + 1], in_rows: Vec::new(), low, pitch };
+        let extent = high.abs_diff(low);
+        let shift = (extent / rows as u32 + 1).next_power_of_two().ilog2();
+        let rows = (extent >> shift) as usize + 1;
+        let mut all = Self { edges, starts: vec![0; rows + 1], in_rows: Vec::new(), low, shift };
         for i in 0..all.edges.len() {
             let [a, b] = all.edges[i];
             let (first, last) = all.rows(a.y.min(b.y), a.y.max(b.y));
@@ -60,9 +62,10 @@ impl Edges {
 
     /// The first and the last row between two heights \[nm\], cut off at the ends of the table.
     fn rows(&self, low: i32, high: i32) -> (usize, usize) {
-        let row = |y: i32| {
-            let up = (i64::from(y) - i64::from(self.low)).max(0) as u64;
-            ((up / u64::from(self.pitch)) as usize).min(self.starts.len() - 2)
+        let last = self.starts.len() - 2;
+        let row = |y: i32| match y > self.low {
+            true => ((y.abs_diff(self.low) >> self.shift) as usize).min(last),
+            false => 0,
         };
         (row(low), row(high))
     }
@@ -209,6 +212,11 @@ impl<'a> Cover<'a> {
     /// The areas.
     pub fn areas(&self) -> &'a [ExPolygon] {
         self.areas
+    }
+
+    /// Their edges.
+    pub fn edges(&self) -> &Edges {
+        &self.edges
     }
 
     /// Whether all that closed rings bound, by an odd number of them, lies inside and does not touch the
