@@ -20,7 +20,6 @@ use crate::settings::Settings;
 use crate::settings::flow::{Flow, FlowRole};
 use crate::slice::planes::{self, LayerZ};
 use crate::{gcode, infill, region, support};
-use rayon::prelude::*;
 use std::io::Write;
 use std::path::Path;
 
@@ -254,23 +253,22 @@ fn outlines(
     settings: &Settings,
 ) -> Vec<Vec<ExPolygon>> {
     let slicing = &settings.slicing;
-    contours
-        .par_iter()
-        .enumerate()
-        .map(|(i, contours)| {
-            let area = areas::areas(&contours.rings);
-            let area = match lattice::nm(slicing.xy_size_compensation) {
-                0 => area,
-                grow @ 1.. => outset(&area, grow, Join::Miter),
-                shrink => inset(&area, -shrink),
-            };
-            let foot = slicing.elefant_foot_compensation.nm(0);
-            match first {
-                Some(plan) if i == 0 && foot > 0 => foot::compensate(&area, foot, plan.external_width),
-                _ => area,
-            }
-        })
-        .collect()
+    let foot = slicing.elefant_foot_compensation.nm(0);
+    let of_layer = |i: usize| {
+        let area = areas::areas(&contours[i].rings);
+        let area = match lattice::nm(slicing.xy_size_compensation) {
+            0 => area,
+            grow @ 1.. => outset(&area, grow, Join::Miter),
+            shrink => inset(&area, -shrink),
+        };
+        match first {
+            Some(plan) if i == 0 && foot > 0 => foot::compensate(&area, foot, plan.external_width),
+            _ => area,
+        }
+    };
+    // The first layer differs from the second by its compensation.
+    let repeats = |i: usize| i > 1 && contours[i].rings == contours[i - 1].rings;
+    region::layers::once_per_run(contours.len(), repeats, of_layer)
 }
 
 /// Brings what belongs to a layer together.

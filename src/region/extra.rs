@@ -3,7 +3,7 @@
 //! Where the outline of the layer above runs a little further inside than this layer's walls reach, its
 //! walls would stand on sparse infill. Walls are added until they carry it.
 
-use super::inside::{Edges, ring_edges};
+use super::inside::{Edges, between, bounds, ring_edges};
 use super::offset;
 use super::perimeters::WallPlan;
 use crate::contour::{ExPolygon, Ring};
@@ -49,13 +49,7 @@ impl<'a> Above<'a> {
     /// `free` is at most `SHARE` of the length as soon as that is certain.
     fn new(ring: &'a Ring, edges: &Edges, depth: f64, hint: &mut usize) -> Self {
         let length: f64 = ring_edges(ring).map(|[a, b]| a.distance(b)).sum();
-        let (mut low, mut high) = (Point2::default(), Point2::default());
-        if let Some(&first) = ring.first() {
-            (low, high) = ring.iter().fold((first, first), |(low, high), p| {
-                let low = Point2::new(low.x.min(p.x), low.y.min(p.y));
-                (low, Point2::new(high.x.max(p.x), high.y.max(p.y)))
-            });
-        }
+        let (low, high) = bounds(ring.iter().copied());
         let (mut over_walls, mut missed) = (0.0, 0.0);
         for [a, b] in ring_edges(ring) {
             let part = covered(a, b, edges, depth, hint, SPLITS);
@@ -87,15 +81,12 @@ fn covered(a: Point2, b: Point2, edges: &Edges, depth: f64, hint: &mut usize, sp
     if splits == 0 || length < depth {
         return 0.0;
     }
-    let middle = super::inside::between(a, b, 0.5);
+    let middle = between(a, b, 0.5);
     covered(a, middle, edges, depth, hint, splits - 1) + covered(middle, b, edges, depth, hint, splits - 1)
 }
 
 fn for_area(area: &ExPolygon, depth: i64, rings: &[Above], plan: &WallPlan) -> u32 {
-    let Some(&first) = area.contour.first() else { return 0 };
-    let (low, high) = area.contour.iter().fold((first, first), |(low, high), p| {
-        (Point2::new(low.x.min(p.x), low.y.min(p.y)), Point2::new(high.x.max(p.x), high.y.max(p.y)))
-    });
+    let (low, high) = bounds(area.contour.iter().copied());
     let meets: Vec<&Above> = rings.iter().filter(|r| r.meets(low, high)).collect();
     let least = SHARE * meets.iter().map(|r| r.length).sum::<f64>();
     if meets.iter().map(|r| r.free).sum::<f64>() <= least {

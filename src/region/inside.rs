@@ -1,28 +1,30 @@
-//! Which parts of a line lie inside areas: edges sorted into rows, exact crossings.
+//! Which parts of a line lie inside areas: edges sorted into cells, exact crossings.
 
 use super::offset;
 use crate::contour::{ExPolygon, Ring};
 use crate::lattice::{self, Point2};
 
-/// The edges of disjoint areas \[nm\] in rows of equal height, for questions about points and lines.
+/// The edges of disjoint areas \[nm\] in square cells, for questions about points and lines.
 #[derive(Debug)]
 pub struct Edges {
     /// In the order of the rings.
     edges: Vec<[Point2; 2]>,
-    /// Where each row's part of `in_rows` begins, and where the last ends.
+    /// Where each cell's part of `in_cells` begins, row by row, and where the last ends.
     starts: Vec<u32>,
-    /// Indices of the edges that reach into each row.
-    in_rows: Vec<u32>,
-    low: i32,
-    /// Height of a row \[nm\], at least 1.
-    pitch: u32,
+    /// Indices of the edges that pass through each cell, with [`FIRST`].
+    in_cells: Vec<u32>,
+    low: Point2,
+    /// Cells are 2^shift nm wide.
+    shift: u32,
+    columns: usize,
+    rows: usize,
 }
 
-/// Edges to a row, about.
-const EDGES_PER_ROW: usize = 4;
+/// Marks the first cell of an edge in each row, from the left.
+const FIRST: u32 = 1 << 31;
 
-/// Most rows.
-const ROWS: usize = 4096;
+/// Least width of a cell, as a power of two \[nm\].
+const LEAST_SHIFT: u32 = 12;
 
 impl Edges {
     /// Sorts the edges of `areas`.
@@ -30,90 +32,103 @@ impl Edges {
         let rings = || areas.iter().flat_map(ExPolygon::rings);
         let mut edges = Vec::with_capacity(rings().map(Vec::len).sum());
         rings().for_each(|ring| edges.extend(ring_edges(ring)));
-        let low = edges.iter().map(|e| e[0].y).min().unwrap_or(0);
-        let high = edges.iter().map(|e| e[0].y).max().unwrap_or(0);
-        let rows = (edges.len() / EDGES_PER_ROW).clamp(1, ROWS);
-        let pitch = high.abs_diff(low) / rows as u32 + 1;
-        let mut all = Self { edges, starts: vec![0; rows + 1], in_rows: Vec::new(), low, pitch };
-        for i in 0..all.edges.len() {
-            let [a, b] = all.edges[i];
-            let (first, last) = all.rows(a.y.min(b.y), a.y.max(b.y));
-            all.starts[first..=last].iter_mut().for_each(|n| *n += 1);
+        let (low, high) = bounds(edges.iter().map(|e| e[0]));
+        let (width, height) = (high.x.abs_diff(low.x), high.y.abs_diff(low.y));
+        let cells = |shift: u32| ((width >> shift) as usize + 1) * ((height >> shift) as usize + 1);
+        let mut shift = LEAST_SHIFT;
+        while cells(shift) > 2 * edges.len().max(1) {
+            shift += 1;
+        }
+        let (columns, rows) = ((width >> shift) as usize + 1, (height >> shift) as usize + 1);
+        let starts = vec![0; columns * rows + 1];
+        let mut all = Self { edges, starts, in_cells: Vec::new(), low, shift, columns, rows };
+        let mut starts = std::mem::take(&mut all.starts);
+        for &[a, b] in &all.edges {
+            all.pass(a, b, |from, to| starts[from..to].iter_mut().for_each(|n| *n += 1));
         }
         let mut sum = 0;
-        for n in &mut all.starts {
+        for n in &mut starts {
             sum += *n;
             *n = sum;
         }
-        all.in_rows = vec![0; sum as usize];
-        // From the last to the first, so that every row keeps the order of the rings.
-        for i in (0..all.edges.len()).rev() {
-            let [a, b] = all.edges[i];
-            let (first, last) = all.rows(a.y.min(b.y), a.y.max(b.y));
-            for row in first..=last {
-                all.starts[row] -= 1;
-                all.in_rows[all.starts[row] as usize] = i as u32;
-            }
+        let mut in_cells = vec![0; sum as usize];
+        // From the last to the first, so that every cell keeps the order of the rings.
+        for (i, &[a, b]) in all.edges.iter().enumerate().rev() {
+            all.pass(a, b, |from, to| {
+                for (cell, start) in (from..to).zip(&mut starts[from..to]) {
+                    *start -= 1;
+                    in_cells[*start as usize] = i as u32 | if cell == from { FIRST } else { 0 };
+                }
+            });
         }
+        (all.starts, all.in_cells) = (starts, in_cells);
         all
     }
 
-    /// The first and the last row between two heights \[nm\], cut off at the ends of the table.
-    fn rows(&self, low: i32, high: i32) -> (usize, usize) {
-        let row = |y: i32| {
-            let up = (i64::from(y) - i64::from(self.low)).max(0) as u64;
-            ((up / u64::from(self.pitch)) as usize).min(self.starts.len() - 2)
-        };
-        (row(low), row(high))
+    /// The row at a height, or the column at an X, cut off at the ends of the table.
+    fn row(&self, y: i32) -> usize {
+        if y > self.low.y { ((y.abs_diff(self.low.y) >> self.shift) as usize).min(self.rows - 1) } else { 0 }
     }
 
-    /// The edges that may reach between two heights \[nm\], some of them several times.
-    fn between(&self, low: i32, high: i32) -> impl Iterator<Item = [Point2; 2]> + '_ {
-        let (first, last) = self.rows(low, high);
-        let range = self.starts[first] as usize..self.starts[last + 1] as usize;
-        self.in_rows[range].iter().map(|&i| self.edges[i as usize])
+    fn column(&self, x: i32) -> usize {
+        let last = self.columns - 1;
+        if x > self.low.x { ((x.abs_diff(self.low.x) >> self.shift) as usize).min(last) } else { 0 }
+    }
+
+    /// Calls `cells` with the range of cells in each row that the segment (a, b) passes through.
+    fn pass(&self, a: Point2, b: Point2, mut cells: impl FnMut(usize, usize)) {
+        let (left, right) = (a.x.min(b.x), a.x.max(b.x));
+        let (first, last) = (self.row(a.y.min(b.y)), self.row(a.y.max(b.y)));
+        let (from, to) = (self.column(left), self.column(right));
+        if first == last || from == to {
+            for row in first..=last {
+                cells(row * self.columns + from, row * self.columns + to + 1);
+            }
+            return;
+        }
+        let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
+        let (dx, dy) = high.minus(low);
+        let slope = dx as f64 / dy as f64;
+        for row in first..=last {
+            // The part of the segment in this row, a little longer than it is.
+            let up = |row: usize| {
+                let way = ((row as u64) << self.shift) as i64 + i64::from(self.low.y) - i64::from(low.y);
+                way.clamp(0, dy) as f64 * slope
+            };
+            let start = if row == first { 0.0 } else { up(row) };
+            let end = if row == last { dx as f64 } else { up(row + 1) };
+            let at = |by: f64| ((f64::from(low.x) + by) as i32).clamp(left, right);
+            let (from, to) = (at(start.min(end) - 2.0), at(start.max(end) + 2.0));
+            cells(row * self.columns + self.column(from), row * self.columns + self.column(to) + 1);
+        }
     }
 
     /// Whether a point is inside; on the border either.
     pub fn contains(&self, p: Point2) -> bool {
-        let crosses = |&[a, b]: &[Point2; 2]| {
+        let row = self.row(p.y) * self.columns;
+        let range = self.starts[row] as usize..self.starts[row + self.column(p.x) + 1] as usize;
+        let mut inside = false;
+        for &i in self.in_cells[range].iter().filter(|&&i| i & FIRST != 0) {
+            let [a, b] = self.edges[(i & !FIRST) as usize];
+            // Does it cross the line that runs from p to the left?
             let rises = a.y <= p.y && p.y < b.y;
             let falls = b.y <= p.y && p.y < a.y;
-            rises && lattice::cross(a, b, p) > 0 || falls && lattice::cross(a, b, p) < 0
-        };
-        self.between(p.y, p.y).filter(crosses).count() % 2 == 1
-    }
-
-    /// Where the segment (a, b) meets edges, as shares of its length: added to `at`, unsorted.
-    fn crossings(&self, a: Point2, b: Point2, at: &mut Vec<f64>) {
-        let (left, right) = (a.x.min(b.x), a.x.max(b.x));
-        let (low, high) = (a.y.min(b.y), a.y.max(b.y));
-        for [c, d] in self.between(low, high) {
-            let apart =
-                c.x.max(d.x) < left || c.x.min(d.x) > right || c.y.max(d.y) < low || c.y.min(d.y) > high;
-            if apart {
-                continue;
-            }
-            let (c_side, d_side) = (lattice::cross(a, b, c), lattice::cross(a, b, d));
-            if c_side > 0 && d_side > 0 || c_side < 0 && d_side < 0 {
-                continue;
-            }
-            let (a_side, b_side) = (lattice::cross(c, d, a), lattice::cross(c, d, b));
-            if a_side > 0 && b_side > 0 || a_side < 0 && b_side < 0 {
-                continue;
-            }
-            if a_side == b_side {
-                // On one line: what is inside changes where the edge ends.
-                let (ux, uy) = b.minus(a);
-                let length2 = (ux * ux + uy * uy) as f64;
-                for p in [c, d] {
-                    let (vx, vy) = p.minus(a);
-                    at.push(((ux * vx + uy * vy) as f64 / length2).clamp(0.0, 1.0));
-                }
-            } else {
-                at.push(a_side as f64 / (a_side as f64 - b_side as f64));
+            if rises && lattice::cross(a, b, p) < 0 || falls && lattice::cross(a, b, p) > 0 {
+                inside = !inside;
             }
         }
+        inside
+    }
+
+    /// Where the segment (a, b) meets edges, as shares of its length: added to `at`, unsorted, some of
+    /// them several times.
+    fn crossings(&self, a: Point2, b: Point2, at: &mut Vec<f64>) {
+        self.pass(a, b, |from, to| {
+            let range = self.starts[from] as usize..self.starts[to] as usize;
+            for &i in &self.in_cells[range] {
+                meet(a, b, self.edges[(i & !FIRST) as usize], at);
+            }
+        });
     }
 
     /// Whether a closed ring lies inside and does not touch the border.
@@ -182,15 +197,59 @@ impl Edges {
             }
         }
         let reach = distance as i32;
-        let (low, high) = (a.y.min(b.y).saturating_sub(reach), a.y.max(b.y).saturating_add(reach));
-        let (first, last) = self.rows(low, high);
-        let range = self.starts[first] as usize..self.starts[last + 1] as usize;
-        let found = self.in_rows[range].iter().find(|&&i| close(self.edges[i as usize]));
-        if let Some(&i) = found {
-            *hint = i as usize;
+        let low = |a: i32, b: i32| a.min(b).saturating_sub(reach);
+        let high = |a: i32, b: i32| a.max(b).saturating_add(reach);
+        let (from, to) = (self.column(low(a.x, b.x)), self.column(high(a.x, b.x)));
+        for row in self.row(low(a.y, b.y))..=self.row(high(a.y, b.y)) {
+            let row = row * self.columns;
+            let range = self.starts[row + from] as usize..self.starts[row + to + 1] as usize;
+            let edges = self.in_cells[range].iter().map(|i| (i & !FIRST) as usize);
+            if let Some(i) = edges.into_iter().find(|&i| close(self.edges[i])) {
+                *hint = i;
+                return true;
+            }
         }
-        found.is_some()
+        false
     }
+}
+
+/// Adds the shares of the segment (a, b) at which it meets the edge (c, d).
+fn meet(a: Point2, b: Point2, [c, d]: [Point2; 2], at: &mut Vec<f64>) {
+    let apart = c.x.max(d.x) < a.x.min(b.x)
+        || c.x.min(d.x) > a.x.max(b.x)
+        || c.y.max(d.y) < a.y.min(b.y)
+        || c.y.min(d.y) > a.y.max(b.y);
+    if apart {
+        return;
+    }
+    let (c_side, d_side) = (lattice::cross(a, b, c), lattice::cross(a, b, d));
+    if c_side > 0 && d_side > 0 || c_side < 0 && d_side < 0 {
+        return;
+    }
+    let (a_side, b_side) = (lattice::cross(c, d, a), lattice::cross(c, d, b));
+    if a_side > 0 && b_side > 0 || a_side < 0 && b_side < 0 {
+        return;
+    }
+    if a_side == b_side {
+        // On one line: what is inside changes where the edge ends.
+        let (ux, uy) = b.minus(a);
+        let length2 = (ux * ux + uy * uy).max(1) as f64;
+        for p in [c, d] {
+            let (vx, vy) = p.minus(a);
+            at.push(((ux * vx + uy * vy) as f64 / length2).clamp(0.0, 1.0));
+        }
+    } else {
+        at.push(a_side as f64 / (a_side as f64 - b_side as f64));
+    }
+}
+
+/// The lowest and the highest coordinates; the origin without any point.
+pub fn bounds(points: impl IntoIterator<Item = Point2>) -> (Point2, Point2) {
+    let mut points = points.into_iter();
+    let first = points.next().unwrap_or_default();
+    points.fold((first, first), |(low, high), p| {
+        (Point2::new(low.x.min(p.x), low.y.min(p.y)), Point2::new(high.x.max(p.x), high.y.max(p.y)))
+    })
 }
 
 /// Areas \[nm\] and their edges.
@@ -209,6 +268,11 @@ impl<'a> Cover<'a> {
     /// The areas.
     pub fn areas(&self) -> &'a [ExPolygon] {
         self.areas
+    }
+
+    /// Their edges.
+    pub fn edges(&self) -> &Edges {
+        &self.edges
     }
 
     /// Whether all that closed rings bound, by an odd number of them, lies inside and does not touch the

@@ -27,13 +27,32 @@ impl<'a> Support<'a> {
     pub fn flag(&self, island: &mut Island) {
         let outer = island.walls.iter().filter(|w| w.depth == 0).map(|w| &w.ring);
         // What lies inside these does so too.
-        if self.below.holds(&outer.collect::<Vec<_>>()) {
+        if self.below.holds(&outer.collect::<Vec<_>>()) || self.reaches(&island.walls) {
             return;
         }
         let grow = || offset::outset(self.below.areas(), self.reach, Join::Miter);
         let grown = self.grown.get_or_init(|| Edges::new(&grow()));
         let least = self.reach as f64;
         island.walls.iter_mut().for_each(|wall| flag(wall, grown, least));
+    }
+}
+
+impl Support<'_> {
+    /// Whether all parts of walls outside of the layer below are easily seen to be within reach of it.
+    fn reaches(&self, walls: &[Wall]) -> bool {
+        let (edges, reach, mut hint) = (self.below.edges(), self.reach as f64, 0);
+        walls.iter().all(|wall| {
+            let ring = &wall.ring;
+            let end = |i: usize| ring[if i + 1 == ring.len() { 0 } else { i + 1 }];
+            let mut near = true;
+            edges.cut(ring, |i, from, to, inside| {
+                if near && !inside {
+                    let (a, b) = (between(ring[i], end(i), from), between(ring[i], end(i), to));
+                    near = edges.within(a, b, reach, &mut hint);
+                }
+            });
+            near
+        })
     }
 }
 
@@ -81,13 +100,12 @@ fn flag(wall: &mut Wall, support: &Edges, least: f64) {
         while let Some(part) = next.next_if(|p| p.edge == i) {
             hangs = part.hangs;
             let p = between(a, end(i), part.from);
-            if points.last() != Some(&p) && p != end(i) {
+            if points.last() == Some(&p) {
+                flags.pop();
+                flags.push(hangs);
+            } else if p != end(i) {
                 points.push(p);
                 flags.push(hangs);
-            } else if points.last() == Some(&p) {
-                if let Some(last) = flags.last_mut() {
-                    *last = hangs;
-                }
             }
         }
     }

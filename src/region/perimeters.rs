@@ -152,8 +152,12 @@ pub fn walls(areas: Vec<ExPolygon>, neighbours: &Neighbours, plan: &WallPlan) ->
         Some(below) if plan.reach > 0 => Some(Support::new(below, plan.reach)),
         _ => None,
     };
-    // Without a layer above, everything is a top surface.
-    let single = plan.one_wall != OnePerimeter::None && neighbours.above.is_none();
+    // Without anything above, everything is a top surface.
+    let single = match plan.one_wall {
+        OnePerimeter::None => false,
+        OnePerimeter::Top => neighbours.above.is_none_or(<[ExPolygon]>::is_empty),
+        OnePerimeter::Topmost => neighbours.above.is_none(),
+    };
     let cover = neighbours.above.filter(|_| plan.one_wall == OnePerimeter::Top).map(Cover::new);
     let build = |(i, outline)| {
         let count = plan.count + extra.get(i).copied().unwrap_or(0);

@@ -178,8 +178,9 @@ fn thin_parts_survive_the_compensation() {
     for w in [460, 600, 700, 840] {
         let left = thin(w);
         assert_eq!(left.len(), 1, "{w}");
-        let ys = || left[0].contour.iter().map(|p| p.y);
-        let width = ys().max().unwrap() - ys().min().unwrap();
+        let ys = left[0].contour.iter().map(|p| p.y);
+        let (low, high) = ys.fold((i32::MAX, i32::MIN), |(low, high), y| (low.min(y), high.max(y)));
+        let width = high - low;
         assert!((450_000..=500_000).contains(&width), "{w}: {width}");
     }
     // Two pads and a bridge of 0.3 between them stay one part.
