@@ -152,3 +152,34 @@ fn skins_grow_within_their_region() {
         }
     }
 }
+
+#[test]
+fn what_is_exposed_on_both_sides_is_a_bottom() {
+    // A sheet one layer thick between two blocks, and a sheet on the bed.
+    let side = |i: usize| if i == 0 || i == 8 { 40.0 } else { 12.0 };
+    let layers: Vec<_> = (0..16).map(|i| vec![island(square(0.0, 0.0, side(i)), vec![])]).collect();
+    let plan = FillPlan::new(&settings());
+    let filled = fill(&stack(&layers), &plan);
+    for i in [0, 8] {
+        assert!(length(&filled[i][0], FillKind::TopSolid) < 1e-9, "layer {i}");
+        let solid = |k| matches!(k, FillKind::Solid | FillKind::Bridge);
+        let mm = [FillKind::Solid, FillKind::Bridge].map(|k| length(&filled[i][0], k));
+        assert!(mm.iter().sum::<f64>() > 0.85 * (1600.0 - 144.0) / PITCH, "layer {i}: {mm:?}");
+        assert!(nearest(at(-15.0, 10.0), &filled[i][0], solid) < PITCH, "layer {i}");
+    }
+    assert!(length(&filled[15][0], FillKind::TopSolid) > 100.0);
+}
+
+#[test]
+fn monotonic_lines_have_no_links() {
+    let layers = vec![vec![island(circle(0.0, 0.0, 12.0, 200), vec![square(1.0, 2.0, 5.0)])]; 9];
+    let points = |pattern| {
+        let mut s = settings();
+        s.infill.top_fill_pattern = pattern;
+        let filled = fill(&stack(&layers), &FillPlan::new(&s)).swap_remove(8).swap_remove(0);
+        let tops = filled.iter().filter(|p| p.kind == FillKind::TopSolid);
+        tops.map(|p| p.points.len()).max().unwrap()
+    };
+    assert_eq!(points(crate::settings::FillPattern::MonotonicLines), 2);
+    assert!(points(crate::settings::FillPattern::Monotonic) > 20);
+}
