@@ -1,8 +1,8 @@
 //! Carries an area from one family of rows over to another.
 
 use crate::lattice::Point2;
-use crate::span::algebra::and;
-use crate::span::{EdgeScan, RowFrame, Rows, Span};
+use crate::span::algebra::and_row;
+use crate::span::{EdgeScan, RowFrame, Rows, RowsBuilder, Span};
 
 /// `area`, a part of `own` on the rows of `frame`, on the rows `lines`, where the same region is
 /// `own_on_lines`.
@@ -21,15 +21,47 @@ pub fn onto(area: &Rows, own: &Rows, frame: &RowFrame, own_on_lines: &Rows, line
     if lines == frame {
         return area.clone();
     }
-    and(own_on_lines, &EdgeScan::new(lines).scan(&outline(area, own, frame)))
+    let mut cells = EdgeScan::new(lines);
+    // Tips between the rows reach further along them than the rows tell.
+    let ends = own_on_lines.iter().flat_map(|(k, row)| {
+        let t = lines.t(k);
+        row.iter().flat_map(move |s| [lines.xy(s.start, t), lines.xy(s.end, t)])
+    });
+    cells.load(&outline(area, own, frame, ends), own_on_lines.first()..own_on_lines.end());
+    let spans = own_on_lines.spans().len();
+    let mut out = RowsBuilder::with_capacity(
+        own_on_lines.first(),
+        (own_on_lines.end() - own_on_lines.first()) as usize,
+        spans,
+    );
+    let mut row = Vec::new();
+    for (k, own) in own_on_lines.iter() {
+        row.clear();
+        cells.row(k, |start, end| row.push(Span { start, end }));
+        and_row(own, &row, |s, _| out.push(s.start, s.end));
+        out.end_row();
+    }
+    out.finish()
 }
 
-/// The border of `area` as cells half a row high, directed so that the area lies to the left.
-pub fn outline(area: &Rows, own: &Rows, frame: &RowFrame) -> Vec<[Point2; 2]> {
-    let reach = |a: Option<i32>| a.unwrap_or(0);
-    let far = frame.pitch().clamp(1, 1 << 28) as i32;
-    let low = reach(own.spans().iter().map(|s| s.start).min()).saturating_sub(far);
-    let high = reach(own.spans().iter().map(|s| s.end).max()).saturating_add(far);
+/// The border of `area` as cells half a row high, directed so that the area lies to the left. The cells
+/// at either end of a row go on as far as the points of `reach`.
+pub fn outline(
+    area: &Rows,
+    own: &Rows,
+    frame: &RowFrame,
+    reach: impl Iterator<Item = Point2>,
+) -> Vec<[Point2; 2]> {
+    let (mut low, mut high) = (0, 0);
+    for s in own.spans() {
+        (low, high) = (low.min(s.start), high.max(s.end));
+    }
+    for p in reach {
+        let (s, _) = frame.st(p);
+        (low, high) = (low.min(s), high.max(s));
+    }
+    // Room for what rounding moves.
+    let (low, high) = (low.saturating_sub(8), high.saturating_add(8));
     let mut out = Vec::new();
     let mut cells = Cells::new(low, high);
     let (mut under, mut over): (Vec<Span>, Vec<Span>) = (Vec::new(), Vec::new());

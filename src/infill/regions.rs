@@ -73,6 +73,6 @@ impl Compared<'_> {
     /// The border of an area, a part of `own`, inside the regions: directed edges \[nm\] with the area on
     /// their left, which run outside of the regions where these bound it.
     pub fn outline(&self, area: &Rows) -> Vec<[Point2; 2]> {
-        outline(area, self.own, self.frame)
+        outline(area, self.own, self.frame, self.regions.rings.iter().flat_map(|r| r.iter().copied()))
     }
 }

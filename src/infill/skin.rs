@@ -12,8 +12,10 @@ use std::sync::Arc;
 /// Across the rows a patch must be two rows wide, or one row beside a wall.
 const SHRINK: f64 = 50_000.0;
 /// The inner layers of a shell are widened by this many spacings of solid lines, as strips beside walls
-/// would hold no line otherwise.
+/// would hold no line otherwise;
 const WIDEN: f64 = 3.3;
+/// by this many where such strips are made wide enough anyway.
+const WIDEN_LESS: f64 = 1.05;
 /// Solid strips beside walls are at least this many spacings wide,
 const NARROW: f64 = 1.5;
 /// and reach this many spacings over what they are for.
@@ -113,7 +115,9 @@ impl Stack<'_> {
         let own = &*self.own[i];
         let Some(covered) = self.covered(i) else { return own.clone() };
         let spacing = self.plan.pitch(FillKind::Solid, i);
-        let mut solid = self.grow(own, &self.tidy(own, &covered), SHRINK + WIDEN * spacing);
+        let is_wide = self.plan.vertical_shell != VerticalShell::Disabled;
+        let widen = if is_wide { WIDEN_LESS } else { WIDEN };
+        let mut solid = self.grow(own, &self.tidy(own, &covered), SHRINK + widen * spacing);
         let mut add = |part: &Rows| {
             if !part.is_empty() {
                 solid = or(&solid, &and(own, part));

@@ -2,8 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod combine;
+mod onto;
 mod patterns;
 mod shapes;
+mod shells;
 mod skins;
 mod stays_inside;
 
