@@ -79,8 +79,8 @@ fn links_and_anchors_add_what_is_stated() {
     // At 20 % on a block of 100 mm, in per cent of the lines.
     for (pattern, low, high) in [
         (FillPattern::Rectilinear, 4.0, 4.5),
-        (FillPattern::MonotonicLines, -0.1, 0.1),
-        (FillPattern::Line, 6.5, 7.5),
+        (FillPattern::Line, -0.1, 0.1),
+        (FillPattern::MonotonicLines, 6.5, 7.5),
         (FillPattern::ZigZag, 4.0, 4.5),
         (FillPattern::Grid, 2.0, 2.7),
         (FillPattern::Triangles, 3.0, 4.0),
