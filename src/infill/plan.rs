@@ -3,7 +3,7 @@
 use super::FillKind;
 use crate::lattice::{mm, nm};
 use crate::settings::flow::{Flow, FlowRole};
-use crate::settings::{FillPattern, FloatOrPercent, Settings};
+use crate::settings::{FillPattern, FloatOrPercent, Settings, VerticalShell};
 use crate::span::RowFrame;
 
 /// How to fill the layers of one object.
@@ -17,6 +17,8 @@ pub struct FillPlan {
     pub angle: f64,
     /// Per [`FillKind`]: the lines turn from layer to layer. Bridges have directions of their own.
     pub turned: [bool; FillKind::COUNT],
+    /// Per [`FillKind`]: lines are linked to the next. The sparse ones' pattern says that instead.
+    pub linked: [bool; FillKind::COUNT],
     /// Line spacing per [`FillKind`] on the first layer \[nm\], the sparse one at full density.
     pub first_spacing: [f64; FillKind::COUNT],
     /// The same on all other layers \[nm\].
@@ -42,12 +44,20 @@ pub struct FillPlan {
     pub solid_below_area: f64,
     /// Every N-th layer is solid; 0 = never.
     pub solid_every: u32,
+    /// What is done to keep the shell's thickness on slopes.
+    pub vertical_shell: VerticalShell,
+    /// Sparse areas that as many layers have in common are printed on the topmost of them; 1 = none.
+    pub combine: u32,
+    /// Thickest line \[nm\]: the nozzle's bore.
+    pub thickest: i64,
+    /// How far skins that are exposed to air reach into the part \[nm\].
+    pub margin: f64,
 }
 
 impl FillPlan {
     /// The plan of a filament job.
     ///
-    /// `Monotonic` is laid like `Rectilinear`: all solid lines of a region are laid in one sweep
+    /// In solid infill `Monotonic` is laid like `Rectilinear`: all solid lines of a region are laid in one sweep
     /// whatever the pattern. The pattern of solid infill inside follows `bottom_fill_pattern`.
     pub fn new(settings: &Settings) -> Self {
         let i = &settings.infill;
@@ -62,12 +72,14 @@ impl FillPlan {
         let width = Flow::new(FlowRole::Infill, settings.slicing.layer_height, false, settings).width;
         let along = |length: FloatOrPercent| nm(length.of(width)) as f64;
         let turns = |p: FillPattern| p != FillPattern::AlignedRectilinear;
+        let links = |p: FillPattern| p != FillPattern::MonotonicLines;
         let [sparse, solid, top] = [i.fill_pattern, i.bottom_fill_pattern, i.top_fill_pattern].map(turns);
         Self {
             density: (i.fill_density / 100.0).clamp(0.0, 1.0),
             pattern: i.fill_pattern,
             angle: i.fill_angle,
             turned: [sparse, solid, top, false, false],
+            linked: [true, links(i.bottom_fill_pattern), links(i.top_fill_pattern), true, true],
             first_spacing: spacing(true),
             spacing: spacing(false),
             layer_spacing: Vec::new(),
@@ -80,6 +92,10 @@ impl FillPlan {
             bottom_thickness: nm(i.bottom_solid_min_thickness),
             solid_below_area: i.solid_infill_below_area,
             solid_every: i.solid_infill_every_layers,
+            vertical_shell: i.ensure_vertical_shell_thickness,
+            combine: i.infill_every_layers.max(1),
+            thickest: nm(settings.printer.nozzle_diameter),
+            margin: nm(i.external_infill_margin) as f64,
         }
     }
 

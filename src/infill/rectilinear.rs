@@ -10,9 +10,8 @@
 //!
 //! Otherwise the path ends and another begins.
 
-use super::anchor::{Everywhere, Open};
+use super::anchor::Open;
 use super::border::{Border, INSIDE, Obstacles, Run};
-use super::{FillKind, FillPath};
 use crate::lattice::Point2;
 use crate::span::Rows;
 use crate::span::algebra::and_row;
@@ -54,17 +53,6 @@ pub struct Chain {
     pub ends: [u32; 2],
 }
 
-/// How lines are laid.
-#[derive(Clone, Copy, Debug)]
-pub struct Style {
-    /// What they are for.
-    pub kind: FillKind,
-    /// Distance between them \[nm\].
-    pub pitch: f64,
-    /// Paths shorter than this are left out \[nm\].
-    pub least: f64,
-}
-
 /// A line on a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Line {
@@ -74,16 +62,6 @@ pub struct Line {
     pub s: [i32; 2],
     /// The crossings at its ends, or [`INSIDE`].
     pub hit: [u32; 2],
-}
-
-/// Lays the lines of one layer in `area`, which lies inside the border.
-///
-/// Reports each path with its region, region by region.
-pub fn lay(border: &Border, area: &Rows, style: Style, mut found: impl FnMut(usize, FillPath)) {
-    let links = Links::near(style.pitch, &Everywhere);
-    chains(border, area, style.least, links, |Chain { region, points, .. }| {
-        found(region, FillPath { points, kind: style.kind, layers: 1 });
-    });
 }
 
 /// Joins the lines of one layer in `area`, which lies inside the border, and reports the chains no
