@@ -118,6 +118,11 @@ impl<'a> Wall<'a> {
         self.used[stretch as usize] = [f64::INFINITY; 2];
     }
 
+    /// True for a stretch that a link uses.
+    pub fn is_taken(&self, stretch: u32) -> bool {
+        self.used[stretch as usize][0].is_infinite()
+    }
+
     /// The way that a line which ends at a place goes on along the wall, on the side where it gets
     /// farther; marks it as used.
     pub fn anchor(&mut self, place: u32, rules: &Anchors, open: &impl Open) -> Vec<Point2> {

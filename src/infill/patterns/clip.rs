@@ -205,3 +205,112 @@ fn piece(strands: &Strands, from: &Crossing, to: &Crossing, regions: &Regions, r
     points.dedup();
     Piece { region, points, ends: [place(from), place(to)] }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contour::{ExPolygon, Ring};
+    use crate::region::Island;
+    use crate::span::tests::Random;
+
+    const ANGLES: [f64; 4] = [0.0, 17.0, 90.0, 45.0];
+
+    fn strands(degrees: f64) -> Strands {
+        Strands::new(degrees, 1e6, 0.3e6, 1.5e6, 0.7e6)
+    }
+
+    fn islands(contour: Ring) -> Vec<Island> {
+        let area = ExPolygon { contour, holes: vec![] };
+        vec![Island { infill: vec![area.clone()], outline: area, ..Island::default() }]
+    }
+
+    /// Length of the strands in a ring, and the number of parts.
+    fn inside(strands: &Strands, ring: &Ring) -> (f64, usize) {
+        let islands = islands(ring.clone());
+        let pieces = clip(strands, &Regions::new(&islands), None, 0.0);
+        let of = |p: &Piece| p.points.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
+        (pieces.iter().map(of).sum(), pieces.len())
+    }
+
+    /// A ring whose corners are corners of strands and lattice points right beside them.
+    fn on_corners(random: &mut Random, strands: &Strands, beside: i64) -> Ring {
+        let mut ring: Ring = (0..3 + random.below(6))
+            .map(|_| {
+                let p = strands.corner(random.within(-4, 5), random.within(-6, 7));
+                let mut off = || random.within(-beside, beside + 1) as i32;
+                Point2::new(p.x + off(), p.y + off())
+            })
+            .collect();
+        // Around their middle, so that the ring does not cross itself.
+        let n = ring.len() as i64;
+        let sum = ring.iter().fold([0i64; 2], |s, p| [s[0] + i64::from(p.x), s[1] + i64::from(p.y)]);
+        let (x, y) = ((sum[0] / n) as f64 + 0.3, (sum[1] / n) as f64 + 0.4);
+        ring.sort_by(|a, b| {
+            let angle = |p: &Point2| libm::atan2(f64::from(p.y) - y, f64::from(p.x) - x);
+            angle(a).total_cmp(&angle(b))
+        });
+        ring.dedup();
+        ring
+    }
+
+    /// The same by asking of many points on every strand whether they are inside.
+    fn sampled(strands: &Strands, ring: &Ring) -> f64 {
+        let mut sum = 0.0;
+        for j in -8..9 {
+            for m in -14..15 {
+                let (a, b) = (strands.corner(j, m), strands.corner(j, m + 1));
+                let hits = (0..200).filter(|i| {
+                    let f = (f64::from(*i) + 0.5) / 200.0;
+                    let p = [
+                        f64::from(a.x) + f * (f64::from(b.x) - f64::from(a.x)),
+                        f64::from(a.y) + f * (f64::from(b.y) - f64::from(a.y)),
+                    ];
+                    let mut odd = false;
+                    for i in 0..ring.len() {
+                        let (q, r) = (ring[i], ring[(i + 1) % ring.len()]);
+                        let (qx, qy) = (f64::from(q.x), f64::from(q.y));
+                        let (rx, ry) = (f64::from(r.x), f64::from(r.y));
+                        if (qy > p[1]) != (ry > p[1]) && p[0] < qx + (p[1] - qy) / (ry - qy) * (rx - qx) {
+                            odd = !odd;
+                        }
+                    }
+                    odd
+                });
+                sum += a.distance(b) * hits.count() as f64 / 200.0;
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn nothing_is_lost_and_nothing_is_added() {
+        let mut random = Random(5);
+        for i in 0..60 {
+            let strands = strands(ANGLES[i % 4]);
+            // Ten micrometres from the corners: nothing lies along an edge.
+            let ring = on_corners(&mut random, &strands, 10_000);
+            let (found, truth) = (inside(&strands, &ring).0, sampled(&strands, &ring));
+            assert!((found - truth).abs() < 0.05e6 + 0.01 * truth, "case {i}: {found} for {truth}");
+        }
+    }
+
+    #[test]
+    fn corners_on_strands_count_as_beside_them() {
+        let mut random = Random(9);
+        let mut parts = 0;
+        for i in 0..400 {
+            let strands = strands(ANGLES[i % 4]);
+            let ring = on_corners(&mut random, &strands, (i % 2) as i64);
+            let (found, count) = inside(&strands, &ring);
+            // The infinitely small step is one to the right and upwards, as this one is.
+            let moved: Ring = ring.iter().map(|p| Point2::new(p.x + 1000, p.y + 30)).collect();
+            let (beside, _) = inside(&strands, &moved);
+            parts += count;
+            // At 0 and 90 degrees corners are not rounded: they lie on each other's lines exactly.
+            if i % 2 == 0 {
+                assert!((found - beside).abs() < 1e5, "case {i}: {found} and {beside} beside");
+            }
+        }
+        assert!(parts > 1000);
+    }
+}

@@ -15,7 +15,8 @@ pub struct Piece {
     pub ends: [Option<Place>; 2],
 }
 
-const NONE: u32 = u32::MAX;
+/// Marks a place where no piece ends, and an end that is not on the wall.
+pub const NONE: u32 = u32::MAX;
 
 /// Joins lines, which come region by region, and reports each chain with its region, in that order.
 pub fn join(
@@ -23,9 +24,8 @@ pub fn join(
     rings: &[&[Point2]],
     rules: &Anchors,
     open: &impl Open,
-    mut found: impl FnMut(usize, Vec<Point2>),
+    found: impl FnMut(usize, Vec<Point2>),
 ) {
-    // End 0 of piece i has number 2 i, end 1 the next.
     let mut ends: Vec<(Place, u32)> = pieces
         .iter()
         .zip((0u32..).step_by(2))
@@ -34,12 +34,27 @@ pub fn join(
     ends.sort_unstable_by(|(a, i), (b, j)| {
         (a.ring, a.edge).cmp(&(b.ring, b.edge)).then(a.along.total_cmp(&b.along)).then(i.cmp(j))
     });
+    let (places, end_at): (Vec<Place>, Vec<u32>) = ends.into_iter().unzip();
+    join_along(pieces, &mut Wall::new(rings, places), &end_at, rules, open, found);
+}
+
+/// [`join`] along a wall of which a part may be used up; `end_at` names for each of its places the end
+/// there, 2 i for the first and 2 i + 1 for the last point of piece i, or [`NONE`].
+pub fn join_along(
+    pieces: &[Piece],
+    wall: &mut Wall,
+    end_at: &[u32],
+    rules: &Anchors,
+    open: &impl Open,
+    mut found: impl FnMut(usize, Vec<Point2>),
+) {
     let mut place_of = vec![NONE; 2 * pieces.len()];
-    for (place, &(_, end)) in (0..).zip(&ends) {
-        place_of[end as usize] = place;
+    for (place, &end) in (0..).zip(end_at) {
+        if end != NONE {
+            place_of[end as usize] = place;
+        }
     }
-    let mut wall = Wall::new(rings, ends.iter().map(|e| e.0).collect());
-    let links = links(&ends, &mut wall, pieces.len(), rules, open);
+    let links = links(end_at, wall, pieces.len(), rules, open);
     let mut done = vec![false; pieces.len()];
     for i in 0..pieces.len() {
         if done[i] {
@@ -84,7 +99,7 @@ pub fn join(
 
 /// Per end the stretch by which it is linked and the end to which it leads.
 fn links(
-    ends: &[(Place, u32)],
+    end_at: &[u32],
     wall: &mut Wall,
     pieces: usize,
     rules: &Anchors,
@@ -94,15 +109,16 @@ fn links(
     if rules.link <= 0.0 {
         return links;
     }
-    let mut ways: Vec<(f64, u32)> = (0..ends.len() as u32)
-        .filter(|&i| wall.next(i) != i)
+    let is_end = |i: u32| end_at[i as usize] != NONE;
+    let mut ways: Vec<(f64, u32)> = (0..end_at.len() as u32)
+        .filter(|&i| is_end(i) && is_end(wall.next(i)) && wall.next(i) != i && !wall.is_taken(i))
         .map(|i| (wall.length(i, rules.link), i))
         .filter(|way| way.0 <= rules.link)
         .collect();
     ways.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut chains = Chains::new(pieces);
     for (_, stretch) in ways {
-        let (a, b) = (ends[stretch as usize].1, ends[wall.next(stretch) as usize].1);
+        let (a, b) = (end_at[stretch as usize], end_at[wall.next(stretch) as usize]);
         if links[a as usize].is_none()
             && links[b as usize].is_none()
             && wall.is_open(stretch, open)

@@ -37,7 +37,7 @@ pub struct Sparse<'a> {
     pub area: &'a Rows,
     /// Density above 0, pattern, angle, spacing.
     pub plan: &'a FillPlan,
-    /// Index of the layer.
+    /// Index of the layer, counted in layers as thick as the lines.
     pub layer: usize,
     /// Height of its upper side \[nm\].
     pub print_z: i64,
@@ -72,7 +72,7 @@ pub struct Spec {
     pub spacing: f64,
     /// Share of the volume that lines fill, above 0.
     pub density: f64,
-    /// Index of the layer.
+    /// Index of the layer, counted in layers as thick as the lines.
     pub layer: usize,
     /// Height of its upper side \[nm\].
     pub z: f64,

@@ -1,12 +1,13 @@
-//! Monotonic: rectilinear lines, laid in one sweep over each region.
+//! Monotonic: rectilinear lines, joined only as one sweep over each region goes.
 //!
-//! Rectilinear lines are swept anyway, so the two are the same as sparse infill; what differs is the
-//! order of a top skin's paths. Length of lines per area = density / spacing.
+//! Length of lines per area = density / spacing: they are spacing / density apart.
 
-use super::{Sparse, rectilinear};
+use super::Sparse;
+use super::straight::{Hold, lay as straight};
 use crate::infill::FillPath;
 
 /// Lays the lines of one layer.
 pub fn lay(sparse: &Sparse, found: impl FnMut(usize, FillPath)) {
-    rectilinear::lay(sparse, found);
+    let spec = sparse.spec();
+    straight(sparse, spec.turned(), spec.pitch(1.0), Hold::Swept, found);
 }

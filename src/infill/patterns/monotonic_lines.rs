@@ -1,6 +1,7 @@
-//! Monotonic lines: rectilinear lines, laid in one sweep, each of its own from wall to wall.
+//! Monotonic lines: parallel lines, turned by 90 degrees from layer to layer, anchored to the walls but
+//! not linked.
 //!
-//! Length of lines per area = density / spacing, and nothing on top of it.
+//! Length of lines per area = density / spacing: they are spacing / density apart.
 
 use super::Sparse;
 use super::straight::{Hold, lay as straight};
@@ -9,5 +10,5 @@ use crate::infill::FillPath;
 /// Lays the lines of one layer.
 pub fn lay(sparse: &Sparse, found: impl FnMut(usize, FillPath)) {
     let spec = sparse.spec();
-    straight(sparse, spec.turned(), spec.pitch(1.0), Hold::Loose, found);
+    straight(sparse, spec.turned(), spec.pitch(1.0), Hold::Anchored, found);
 }

@@ -79,8 +79,8 @@ fn links_and_anchors_add_what_is_stated() {
     // At 20 % on a block of 100 mm, in per cent of the lines.
     for (pattern, low, high) in [
         (FillPattern::Rectilinear, 4.0, 4.5),
-        (FillPattern::MonotonicLines, -0.1, 0.1),
-        (FillPattern::Line, 6.5, 7.5),
+        (FillPattern::Line, -0.1, 0.1),
+        (FillPattern::MonotonicLines, 6.5, 7.5),
         (FillPattern::ZigZag, 4.0, 4.5),
         (FillPattern::Grid, 2.0, 2.7),
         (FillPattern::Triangles, 3.0, 4.0),
@@ -109,6 +109,41 @@ fn thick_lines_lie_closer() {
     assert!(plan.sparse_spacing(4, 2) < plan.sparse_spacing(4, 1));
     // No line is thicker than the nozzle is wide.
     assert_eq!(plan.thick_spacing.len(), 3);
+}
+
+#[test]
+fn combined_layers_have_the_density_and_turn() {
+    for pattern in [FillPattern::Rectilinear, FillPattern::Grid, FillPattern::Honeycomb] {
+        let mut s = lines_of(pattern, 20.0);
+        s.infill.infill_every_layers = 2;
+        let layers = vec![vec![island(square(0.3, 0.4, 97.0), vec![])]; 24];
+        let fills = fill(&stack(&layers), &FillPlan::new(&s));
+        let thick: Vec<&Vec<FillPath>> =
+            fills.iter().flatten().filter(|f| f.iter().any(|p| p.layers == 2)).collect();
+        assert!(thick.len() > 6, "{pattern:?}");
+        for paths in &thick[2..5] {
+            use crate::settings::flow::{Flow, FlowRole};
+            let flow = |layers| Flow::new(FlowRole::Infill, layers * s.slicing.layer_height, false, &s);
+            let volume = length(paths, FillKind::Sparse) * flow(2.0).mm3_per_mm()
+                / (2.0 * s.slicing.layer_height * 97.0 * 97.0);
+            assert!((volume / 0.2 - 1.0).abs() < 0.02, "{pattern:?}: {volume}");
+            // At the distance of thin lines it would be wrong.
+            assert!((volume * flow(2.0).spacing() / flow(1.0).spacing() / 0.2 - 1.0).abs() > 0.05);
+        }
+        assert_eq!(thick[2] == thick[3], pattern == FillPattern::Grid, "{pattern:?}");
+    }
+}
+
+#[test]
+fn densities_at_the_limits_are_defined() {
+    for pattern in ALL {
+        let layers = vec![vec![island(circle(1.0, 2.0, 12.0, 40), vec![])]; 8];
+        for percent in [1e-7, 0.01, 99.99] {
+            let fills = fill(&stack(&layers), &FillPlan::new(&with(pattern, percent)));
+            let sparse: f64 = fills[4].iter().map(|f| length(f, FillKind::Sparse)).sum();
+            assert_eq!(sparse > 500.0, percent > 50.0, "{pattern:?} at {percent} %: {sparse}");
+        }
+    }
 }
 
 /// Layers of nasty shapes, partly covered, so that some of the sparse area ends at skins.

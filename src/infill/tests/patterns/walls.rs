@@ -67,7 +67,7 @@ fn no_stretch_of_wall_is_used_twice() {
             }
         }
         match pattern {
-            FillPattern::MonotonicLines => assert_eq!((count, anchored), (0, 0)),
+            FillPattern::Line => assert_eq!((count, anchored), (0, 0)),
             _ => assert!(count > 50 && anchored > 20, "{pattern:?}: {count} {anchored}"),
         }
     }
@@ -88,7 +88,7 @@ fn without_links_and_anchors_lines_end_at_the_wall() {
 #[test]
 fn anchors_are_as_long_as_asked() {
     let layers = vec![vec![island(square(0.1, 0.2, 60.0), vec![])]; 9];
-    let mut s = with(FillPattern::Line, 10.0);
+    let mut s = with(FillPattern::MonotonicLines, 10.0);
     for anchor in [0.0, 1.5, 4.0] {
         s.infill.infill_anchor = Float(anchor);
         let fills = fill(&stack(&layers), &FillPlan::new(&s));
