@@ -1,6 +1,7 @@
 //! Pieces of a medial axis → beads.
 
 use super::medial::{Node, STEP};
+use super::near::Edges;
 use super::{Bead, BeadKind};
 use crate::lattice::{LIMIT, Point2};
 
@@ -27,12 +28,13 @@ const LONGEST_RUN: usize = 64;
 /// Cosine of the largest turn between two pieces that are joined: 60 degrees.
 const STRAIGHT: f64 = 0.5;
 
-/// The beads along the pieces of an axis. Pieces that carry on from each other are joined.
-pub(super) fn beads(pieces: Vec<Vec<Node>>, shape: &Shape, origin: Point2) -> Vec<Bead> {
+/// The beads along the pieces of the axis of an area with these edges about `origin`. Pieces that carry
+/// on from each other are joined.
+pub(super) fn beads(pieces: Vec<Vec<Node>>, edges: &Edges, shape: &Shape, origin: Point2) -> Vec<Bead> {
     let limit = f64::from(LIMIT - 1);
     // The way is rounded before it is added, so that the result moves with its input.
     let place = |origin: i32, by: f64| (f64::from(origin) + by.round()).clamp(-limit, limit) as i32;
-    join(pieces)
+    join(pieces, edges)
         .into_iter()
         .filter(|nodes| length(nodes) >= shape.shortest)
         .filter_map(|nodes| {
@@ -97,16 +99,17 @@ impl End {
 }
 
 /// Joins pieces that carry on from each other, the straightest first.
-fn join(pieces: Vec<Vec<Node>>) -> Vec<Vec<Node>> {
+fn join(pieces: Vec<Vec<Node>>, edges: &Edges) -> Vec<Vec<Node>> {
     let ends: Vec<Option<End>> =
         pieces.iter().flat_map(|nodes| [End::of(nodes, false), End::of(nodes, true)]).collect();
-    let mut joints = Vec::new();
+    let (mut joints, mut found) = (Vec::new(), Vec::new());
     for (i, a) in ends.iter().enumerate() {
         for (j, b) in ends.iter().enumerate().skip(i + 1) {
             let own = i / 2 == j / 2;
             if let (Some(a), Some(b)) = (a, b)
                 && let Some(straight) = a.joins(b)
                 && straight >= STRAIGHT
+                && a.node.leads_to(&b.node, edges, &mut found)
                 // A piece closes on itself when it is long enough to have an inside.
                 && !(own && length(&pieces[i / 2]) < 4.0 * a.node.distance(&b.node) + STEP)
             {

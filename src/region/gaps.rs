@@ -57,7 +57,7 @@ const END: f64 = 0.25;
 /// walls before them; or in the outline. Discs from `most` \[nm\] of radius have room for a loop.
 pub(super) fn beside_wall<'a>(
     area: &ExPolygon,
-    inner: impl Iterator<Item = &'a Ring>,
+    inner: impl IntoIterator<Item = &'a Ring>,
     depth: u32,
     most: i64,
     plan: &WallPlan,
@@ -67,33 +67,35 @@ pub(super) fn beside_wall<'a>(
         None if plan.beads.thin_walls => {
             let radii = (0.5 * THINNEST * width, most as f64);
             let shape = Shape { kind: BeadKind::ThinWall, add: 0.0, shortest: SHORTEST * width };
-            Place { taken: 0.0, radii, reach: 0.5 * width }.fill(area, inner, &shape)
+            Place { taken: 0.0, radii, reach: 0.5 * width }.fill(area, || inner, &shape)
         }
         Some(outer) if plan.beads.gap_fill => {
             let reach = 0.5 * plan.spacing_at(depth) as f64;
-            gap_fill(area, inner, plan.spacing_at(outer), reach, most, plan)
+            gap_fill(area, || inner, plan.spacing_at(outer), reach, most, plan)
         }
         _ => Vec::new(),
     }
 }
 
 /// The beads beside infill, in the area within the innermost walls. Discs from `room` \[nm\] of radius
-/// have infill in them; the rings `inner` are where those discs' centres may lie.
+/// have infill in them; `inner`, asked for only when
+/// need be, is where those discs' centres lie.
 pub(super) fn beside_infill<'a>(
     area: &ExPolygon,
-    inner: impl Iterator<Item = &'a Ring>,
+    inner: impl FnOnce() -> &'a [ExPolygon],
     room: i64,
     plan: &WallPlan,
 ) -> Vec<Bead> {
     let spacing = plan.spacing_at(plan.count.saturating_sub(1));
+    let inner = || inner().iter().flat_map(ExPolygon::rings);
     gap_fill(area, inner, spacing, (room - spacing / 2) as f64, room, plan)
 }
 
 /// The beads that fill what is left between walls `spacing` \[nm\] apart, whose centre lines bound the
 /// area, and what reaches `reach` \[nm\] outwards from `inner`.
-fn gap_fill<'a>(
+fn gap_fill<'a, R: IntoIterator<Item = &'a Ring>>(
     area: &ExPolygon,
-    inner: impl Iterator<Item = &'a Ring>,
+    inner: impl FnOnce() -> R,
     spacing: i64,
     reach: f64,
     most: i64,
@@ -117,7 +119,12 @@ struct Place {
 }
 
 impl Place {
-    fn fill<'a>(&self, area: &ExPolygon, inner: impl Iterator<Item = &'a Ring>, shape: &Shape) -> Vec<Bead> {
+    fn fill<'a, R: IntoIterator<Item = &'a Ring>>(
+        &self,
+        area: &ExPolygon,
+        inner: impl FnOnce() -> R,
+        shape: &Shape,
+    ) -> Vec<Bead> {
         let Some(&origin) = area.contour.first() else { return Vec::new() };
         let edges = Edges::new(area.rings(), origin);
         // Sorted only when it is asked for: most areas have no narrow places.
@@ -125,12 +132,12 @@ impl Place {
         let mut near = Vec::new();
         let pieces = medial::axis(&edges, self.radii.0..=self.radii.1, |node| {
             if let Some(inner) = inner.take() {
-                inside = Edges::new(inner, origin);
+                inside = Edges::new(inner().into_iter(), origin);
             }
             let clearance = self.reach + END * 2.0 * (node.r - self.taken);
             inside.clear_of(node.x, node.y, clearance, &mut near)
         });
-        if pieces.is_empty() { Vec::new() } else { beads::beads(pieces, shape, origin) }
+        if pieces.is_empty() { Vec::new() } else { beads::beads(pieces, &edges, shape, origin) }
     }
 }
 

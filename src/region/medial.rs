@@ -22,6 +22,19 @@ pub(super) struct Node {
 }
 
 impl Node {
+    /// Whether the discs on the way straight to `other`, their radii changing evenly, lie inside the
+    /// border; `found` is scratch.
+    pub fn leads_to(&self, other: &Self, edges: &Edges, found: &mut Vec<u32>) -> bool {
+        let way = self.distance(other);
+        let count = (4.0 * way / STEP).ceil().min(16.0);
+        (1..count as u32).all(|k| {
+            let t = f64::from(k) / count;
+            let mix = |a: f64, b: f64| a + t * (b - a);
+            let r = mix(self.r, other.r) - INACCURACY;
+            edges.clear_of(mix(self.x, other.x), mix(self.y, other.y), r, found)
+        })
+    }
+
     /// Distance between the centres of two discs.
     pub fn distance(&self, other: &Self) -> f64 {
         let (dx, dy) = (self.x - other.x, self.y - other.y);
@@ -30,7 +43,7 @@ impl Node {
 }
 
 /// Points of the border are looked at this far apart \[nm\].
-pub(super) const STEP: f64 = 150_000.0;
+pub(super) const STEP: f64 = 200_000.0;
 
 /// How often the step at the end of an axis is halved to find where it ends.
 const HALVINGS: u32 = 4;
@@ -39,6 +52,13 @@ const HALVINGS: u32 = 4;
 /// It is 180 in a straight channel and less 2 a where the sides meet at the angle 2 a; discs in corners
 /// of more than 60 degrees, from which the axis would send a spur into each, lie below.
 const OPPOSITE: f64 = -0.5;
+
+/// Largest cosine of the angle between edges that may bound a channel: where discs touch corners, their
+/// edges may stand at a right angle to it.
+const FACING: f64 = 0.05;
+
+/// How far discs between two nodes may reach over the border \[nm\].
+const INACCURACY: f64 = 4_000.0;
 
 /// Edges nearer than this in front of a border point touch it \[nm\].
 const TOUCHING: f64 = 0.5;
@@ -56,6 +76,8 @@ pub(super) fn axis(
         most: *radii.end(),
         keep,
         near: Vec::new(),
+        ahead: Vec::new(),
+        found: Vec::new(),
         piece: Vec::new(),
         pieces: Vec::new(),
     };
@@ -111,6 +133,9 @@ struct Walk<'a, F> {
     keep: F,
     /// The edges near the run in hand.
     near: Vec<u32>,
+    /// Those that discs at the part in hand may touch, but for the one that it belongs to.
+    ahead: Vec<(u32, Edge)>,
+    found: Vec<u32>,
     piece: Vec<Node>,
     pieces: Vec<Vec<Node>>,
 }
@@ -123,22 +148,40 @@ impl<F: FnMut(&Node) -> bool> Walk<'_, F> {
         for (i, from, to) in run.parts.drain(..) {
             let edge = self.edges.all[i as usize];
             let before = self.edges.all[edge.before as usize];
-            // Nothing that faces this edge is near.
-            if !self.faced(&edge) && !self.faced(&before) {
-                continue;
-            }
             if from <= 0.0 {
                 self.fan(i, &before, &edge);
             }
-            self.part(i, &edge, from, to);
+            if self.look_ahead(i, &edge, from, to) {
+                self.part(i, &edge, from, to);
+            }
         }
     }
 
-    fn faced(&self, edge: &Edge) -> bool {
-        self.near.iter().any(|&f| {
-            let f = &self.edges.all[f as usize];
-            f.ux * edge.ux + f.uy * edge.uy < 0.05
-        })
+    /// Gathers the edges that discs along an edge may touch, and tells whether one of them faces it.
+    fn look_ahead(&mut self, own: u32, edge: &Edge, from: f64, to: f64) -> bool {
+        let (reach, low, high) = (2.0 * self.most, from - self.most, to + self.most);
+        let ahead = |other: &Edge, cosine: f64| {
+            let (vx, vy) = (other.x - edge.x, other.y - edge.y);
+            let across = edge.ux * vy - edge.uy * vx;
+            let along = edge.ux * vx + edge.uy * vy;
+            let far = across + other.length * (edge.ux * other.uy - edge.uy * other.ux);
+            let further = along + other.length * cosine;
+            across.min(far) < reach
+                && across.max(far) > TOUCHING
+                && along.min(further) < high
+                && along.max(further) > low
+        };
+        let all = &self.edges.all;
+        let others = || self.near.iter().map(|&i| (i, &all[i as usize])).filter(|(i, _)| *i != own);
+        let cosine = |other: &Edge| edge.ux * other.ux + edge.uy * other.uy;
+        // The axis is met from both sides; see `disc`.
+        let faces = |c: f64, i: u32| c < FACING && i > own;
+        if !others().any(|(i, f)| faces(cosine(f), i) && ahead(f, cosine(f))) {
+            return false;
+        }
+        self.ahead.clear();
+        self.ahead.extend(others().filter(|(_, f)| ahead(f, cosine(f))).map(|(i, f)| (i, *f)));
+        true
     }
 
     /// Looks at an edge from `from` to `to`.
@@ -177,6 +220,15 @@ impl<F: FnMut(&Node) -> bool> Walk<'_, F> {
         if cross >= 0.0 || dot > 0.9994 {
             return;
         }
+        self.ahead.clear();
+        let faces = |f: &Edge| {
+            f.ux * edge.ux + f.uy * edge.uy < FACING || f.ux * before.ux + f.uy * before.uy < FACING
+        };
+        let others = self.near.iter().filter(|&&f| f != i).map(|&f| (f, self.edges.all[f as usize]));
+        self.ahead.extend(others);
+        if !self.ahead.iter().any(|(other, f)| *other > i && faces(f)) {
+            return;
+        }
         let count = 1 + ((1.0 - dot) * 4.0) as u32;
         for k in 0..count {
             let t = (f64::from(k) + 0.5) / f64::from(count);
@@ -194,11 +246,10 @@ impl<F: FnMut(&Node) -> bool> Walk<'_, F> {
     /// passes its centre and is to be kept.
     fn disc(&mut self, own: u32, p: (f64, f64), normal: (f64, f64)) -> Option<Node> {
         let (mut r, mut other, mut touch) = (self.most, u32::MAX, (0.0, 0.0));
-        for &i in &self.near {
-            let edge = &self.edges.all[i as usize];
+        for &(i, ref edge) in &self.ahead {
             let (vx, vy) = (p.0 - edge.x, p.1 - edge.y);
             let distance = edge.ux * vy - edge.uy * vx;
-            if i == own || distance < TOUCHING {
+            if distance < TOUCHING {
                 continue;
             }
             // Distance and radius agree for the line; 1 - cos of the angle between the normals.
@@ -220,7 +271,7 @@ impl<F: FnMut(&Node) -> bool> Walk<'_, F> {
                 (r, other, touch) = (square / (2.0 * ahead), i, q);
             }
         }
-        // The axis is met from both sides.
+        // The axis is met from both sides; the one that comes first in the border's order counts.
         if other == u32::MAX || other < own || r < self.least {
             return None;
         }
@@ -232,7 +283,10 @@ impl<F: FnMut(&Node) -> bool> Walk<'_, F> {
 
     fn push(&mut self, node: Node) {
         // Discs near a flat corner of the border fail; the axis goes on behind.
-        if self.piece.last().is_some_and(|last| last.distance(&node) > node.r.max(last.r) + STEP) {
+        let found = &mut self.found;
+        if self.piece.last().is_some_and(|last| {
+            last.distance(&node) > node.r.max(last.r) + STEP || !last.leads_to(&node, self.edges, found)
+        }) {
             self.flush();
         }
         self.piece.push(node);

@@ -4,6 +4,7 @@ use super::boolean;
 use super::extra::extra_walls;
 use super::gaps::{self, BeadPlan};
 use super::inside::Cover;
+use super::near::Edges;
 use super::offset::{self, Join};
 use super::one_wall::{self, Top};
 use super::overhang::Support;
@@ -12,6 +13,7 @@ use crate::contour::{ExPolygon, Ring};
 use crate::lattice;
 use crate::settings::flow::{Flow, FlowRole};
 use crate::settings::{OnePerimeter, Settings};
+use std::cell::{Cell, OnceCell};
 
 /// Where the walls of a layer lie, all in \[nm\].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,9 +32,6 @@ pub struct WallPlan {
     pub solid_width: i64,
     /// How far infill reaches into the innermost wall.
     pub infill_overlap: i64,
-    /// Whether walls are left out where they would come nearer to each other than 0.6 spacings. Else
-    /// they run wherever their centre lines fit, as PrusaSlicer does without `thin_walls`.
-    pub opened: bool,
     /// Whether walls are added on slopes.
     pub extra: bool,
     /// How far the centre line of a wall may lie outside the layer below before it hangs in air; 0 to
@@ -70,7 +69,6 @@ impl WallPlan {
             solid_spacing: solid.spacing_nm(),
             solid_width: solid.width_nm(),
             infill_overlap: lattice::nm(settings.infill.infill_overlap.of(base)),
-            opened: settings.perimeters.thin_walls,
             // Without infill nothing shows between walls, and they carry each other.
             extra: settings.perimeters.extra_perimeters && settings.infill.fill_density > 0.0,
             reach: if settings.perimeters.overhangs { lattice::nm(0.5 * bore) } else { 0 },
@@ -177,9 +175,10 @@ fn island(outline: ExPolygon, above: Option<&Cover>, plan: &WallPlan) -> Island 
     let mut lines = vec![Line { polygon: outline.clone(), inner: Inner::Untried }];
     for depth in 0..plan.count {
         let (distance, spacing) = plan.step(depth);
-        let radius = (0.5 * (1.0 - OVERLAP_TOLERANCE) * spacing as f64) as i64;
+        // Without thin walls, loops are better than nothing.
+        let fits = if depth == 0 && !plan.beads.thin_walls { 0.0 } else { 1.0 - OVERLAP_TOLERANCE };
+        let radius = (0.5 * fits * spacing as f64) as i64;
         let next = if depth + 1 < plan.count { plan.step(depth + 1).0 } else { plan.infill_room() };
-        let radius = if plan.opened || depth > 0 { radius } else { 0 };
         lines = lines
             .into_iter()
             .flat_map(|line| {
@@ -246,13 +245,14 @@ fn infill(line: Line, plan: &WallPlan, beads: &mut Vec<Bead>) -> Vec<ExPolygon> 
     if inner.whole(&polygon).is_some() && !inner.gapes() {
         return plain();
     }
-    let core = inner.or_raw(&polygon, room);
-    let found = gaps::beside_infill(&polygon, core.iter().flat_map(ExPolygon::rings), room, plan);
+    let (inner, core) = (Cell::new(Some(inner)), OnceCell::new());
+    let core = || core.get_or_init(|| inner.take().map_or_else(Vec::new, |i| i.or_raw(&polygon, room)));
+    let found = gaps::beside_infill(&polygon, || core().as_slice(), room, plan);
     if found.is_empty() {
         return plain();
     }
     beads.extend(found);
-    opened(&core, room - border, &polygon, border, plain)
+    opened(core(), room - border, &polygon, border, plain)
 }
 
 /// An area bounded by centre lines of walls, and what is known of the next step inwards.
@@ -327,9 +327,12 @@ fn centre_lines(line: Line, distance: i64, radius: i64, next: i64) -> (ExPolygon
     if matches!(&plain, Inner::Proven(polygons, _) if polygons.is_empty()) {
         return (polygon, Vec::new(), false);
     }
-    let core = offset::inset(std::slice::from_ref(&polygon), distance + radius);
-    let plain = || plain.or_raw(&polygon, distance);
-    let lines = opened(&core, radius, &polygon, distance, plain);
+    let lines = if radius > 0 {
+        let core = offset::inset(std::slice::from_ref(&polygon), distance + radius);
+        opened(&core, radius, &polygon, distance, || plain.or_raw(&polygon, distance))
+    } else {
+        plain.or_raw(&polygon, distance)
+    };
     let lines = lines.into_iter().map(|polygon| Line { polygon, inner: Inner::Untried }).collect();
     (polygon, lines, false)
 }
@@ -350,22 +353,16 @@ fn opened(
     if keeps_clear(&grown, polygon, distance) { grown } else { boolean::intersection(&grown, &plain()) }
 }
 
-/// Pairs of a corner and an edge that are worth looking at instead of calling the polygon library.
-const WORTHWHILE: usize = 20_000;
-
 /// Whether no corner of `lines` comes nearer to the border of `polygon` than `distance` \[nm\], within
-/// the tolerance of simplification. Says no when it would take too long to tell.
+/// the tolerance of simplification.
 fn keeps_clear(lines: &[ExPolygon], polygon: &ExPolygon, distance: i64) -> bool {
-    let corners = lines.iter().flat_map(ExPolygon::rings).map(Vec::len).sum::<usize>();
-    if corners * polygon.rings().map(Vec::len).sum::<usize>() > WORTHWHILE {
-        return false;
-    }
+    let Some(&origin) = polygon.contour.first() else { return true };
+    let edges = Edges::new(polygon.rings(), origin);
     let least = distance as f64 - 1.5 * offset::SIMPLIFY;
-    lines.iter().flat_map(ExPolygon::rings).flatten().all(|&p| {
-        polygon.rings().all(|ring| {
-            let ends = ring.iter().skip(1).chain(ring.first());
-            ring.iter().zip(ends).all(|(&a, &b)| offset::distance2(p, a, b) >= least * least)
-        })
+    let mut near = Vec::new();
+    lines.iter().flat_map(ExPolygon::rings).flatten().all(|p| {
+        let (x, y) = p.minus(origin);
+        edges.clear_of(x as f64, y as f64, least, &mut near)
     })
 }
 
@@ -387,11 +384,10 @@ mod tests {
             solid_spacing: 400_000,
             solid_width: 440_000,
             infill_overlap: 100_000,
-            opened: true,
             extra: false,
             reach: 0,
             one_wall: OnePerimeter::None,
-            beads: BeadPlan::default(),
+            beads: BeadPlan { thin_walls: true, ..BeadPlan::default() },
         }
     }
 

@@ -265,7 +265,6 @@ const PLAN: WallPlan = WallPlan {
     solid_spacing: 410_000,
     solid_width: 450_000,
     infill_overlap: 100_000,
-    opened: true,
     extra: false,
     reach: 0,
     one_wall: OnePerimeter::None,

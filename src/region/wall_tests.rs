@@ -19,7 +19,6 @@ const PLAN: WallPlan = WallPlan {
     solid_spacing: 400_000,
     solid_width: 440_000,
     infill_overlap: 100_000,
-    opened: false,
     extra: true,
     reach: 200_000,
     one_wall: OnePerimeter::None,
