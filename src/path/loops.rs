@@ -118,13 +118,17 @@ fn clip_end(points: &mut Vec<Point2>, from: usize, gap: f64) {
         points.pop();
         if d > left {
             let (dx, dy) = a.minus(b);
-            let move_by =
-                |from: i32, by: i64| (i64::from(from) + (by as f64 * (left / d)).round() as i64) as i32;
+            let move_by = |from: i32, by: i64| (i64::from(from) + rounded(by as f64 * (left / d))) as i32;
             points.push(Point2::new(move_by(b.x, dx), move_by(b.y, dy)));
             return;
         }
         left -= d;
     }
+}
+
+/// `x.round()`, which is a call without SSE 4.1.
+fn rounded(x: f64) -> i64 {
+    if x < 0.0 { (x - 0.5) as i64 } else { (x + 0.5) as i64 }
 }
 
 /// True when the polyline is longer than `limit` \[nm\]; looks no further than that.

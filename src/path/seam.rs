@@ -4,6 +4,7 @@ use super::nearest::square;
 use super::simplify::square_to_segment;
 use crate::lattice::Point2;
 use crate::settings::SeamPosition;
+use std::ops::Range;
 
 /// A place on a ring: on the edge that starts at vertex `edge`, often at that vertex itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,16 +49,24 @@ pub struct SeamPlacer {
     position: SeamPosition,
     below: Vec<Mark>,
     here: Vec<Mark>,
+    /// The rings of the marks, one after the other.
+    rings_below: Vec<Point2>,
+    rings_here: Vec<Point2>,
     /// Indices into `below`, by x; filled when first needed.
     by_x: Vec<u32>,
     /// Where in `below` the next loop's seam is expected.
     expected: usize,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Mark {
     at: Point2,
     hole: bool,
+    /// The edge that it is on.
+    edge: usize,
+    /// Its ring in [`SeamPlacer::rings_here`], if a ring like it on the next layer has the same seam: because
+    /// the seam below it was at the same place.
+    settled: Option<Range<usize>>,
 }
 
 /// A loop this near to the expected seam of the layer below continues it without a search \[nm\].
@@ -83,7 +92,9 @@ impl SeamPlacer {
     /// The seams chosen since the last call become those of the layer below.
     pub fn next_layer(&mut self) {
         std::mem::swap(&mut self.below, &mut self.here);
+        std::mem::swap(&mut self.rings_below, &mut self.rings_here);
         self.here.clear();
+        self.rings_here.clear();
         self.by_x.clear();
         self.expected = 0;
     }
@@ -91,7 +102,7 @@ impl SeamPlacer {
     /// The seam of an external wall on layer `layer`; `nozzle` is where the nozzle comes from, which
     /// only [`SeamPosition::Nearest`] heeds. `None` for a ring without points.
     pub fn place(&mut self, around: Loop<'_>, nozzle: Point2, layer: usize) -> Option<Seam> {
-        let Loop { ring, hole, .. } = around;
+        let ring = around.ring;
         match self.position {
             SeamPosition::Rear => rearmost(ring),
             SeamPosition::Random => scattered(ring, layer),
@@ -101,21 +112,52 @@ impl SeamPlacer {
                 best_vertex(ring, |i| around.merit(i) - 2.0 * ring[i].distance(nozzle) / scale)
             }
             SeamPosition::Aligned => {
-                let seam = self.continued(around).or_else(|| fresh(around))?;
-                self.here.push(Mark { at: seam.at, hole });
+                if let Some(seam) = self.repeated(around) {
+                    return Some(seam);
+                }
+                let (seam, below) = match self.continued(around) {
+                    Some((seam, below)) => (seam, Some(below)),
+                    None => (fresh(around)?, None),
+                };
+                let settled = below == Some(seam.at) && around.overhang.is_empty();
+                self.mark(around, seam, settled);
                 Some(seam)
             }
         }
     }
 
-    /// The continuation of a seam of the layer below, if one is near.
-    fn continued(&mut self, around: Loop<'_>) -> Option<Seam> {
+    /// Remembers a seam for the layer above.
+    fn mark(&mut self, around: Loop<'_>, seam: Seam, settled: bool) {
+        let first = self.rings_here.len();
+        if settled {
+            self.rings_here.extend_from_slice(around.ring);
+        }
+        let settled = settled.then_some(first..self.rings_here.len());
+        self.here.push(Mark { at: seam.at, hole: around.hole, edge: seam.edge, settled });
+    }
+
+    /// The seam of a ring that is the same as the one expected below and whose search would end the same:
+    /// upright walls.
+    fn repeated(&mut self, around: Loop<'_>) -> Option<Seam> {
+        let mark = self.below.get(self.expected).filter(|m| m.hole == around.hole)?;
+        let ring = self.rings_below.get(mark.settled.clone()?)?;
+        if !around.overhang.is_empty() || ring != around.ring {
+            return None;
+        }
+        let seam = Seam { edge: mark.edge, at: mark.at };
+        self.expected += 1;
+        self.mark(around, seam, true);
+        Some(seam)
+    }
+
+    /// The continuation of a seam of the layer below, if one is near, and where that one is.
+    fn continued(&mut self, around: Loop<'_>) -> Option<(Seam, Point2)> {
         let Loop { ring, hole, .. } = around;
         if let Some(mark) = self.below.get(self.expected).filter(|m| m.hole == hole) {
             let near = nearest_on(ring, mark.at)?;
             if near.1 <= SAME_PLACE * SAME_PLACE {
                 self.expected += 1;
-                return Some(snapped(around, mark.at, near.0));
+                return Some((snapped(around, mark.at, near.0), mark.at));
             }
         }
         if self.below.is_empty() {
@@ -134,7 +176,7 @@ impl SeamPlacer {
             self.by_x.partition_point(|&i| i64::from(self.below[i as usize].at.x) < i64::from(low.x) - REACH);
         let mut best: Option<(f64, u32, Seam)> = None;
         for &i in &self.by_x[first..] {
-            let mark = self.below[i as usize];
+            let mark = &self.below[i as usize];
             if !within(mark.at.x, low.x, high.x) {
                 break;
             }
@@ -148,7 +190,8 @@ impl SeamPlacer {
         }
         let (_, i, seam) = best.filter(|b| b.0 <= (REACH * REACH) as f64)?;
         self.expected = i as usize + 1;
-        Some(snapped(around, self.below[i as usize].at, seam))
+        let below = self.below[i as usize].at;
+        Some((snapped(around, below, seam), below))
     }
 }
 
@@ -297,7 +340,7 @@ fn bounds(ring: &[Point2]) -> Option<(Point2, Point2)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{circle, rectangle};
+    use super::super::testing::{Random, circle, rectangle};
     use super::*;
 
     const HOME: Point2 = Point2::new(0, 0);
@@ -360,6 +403,44 @@ mod tests {
     }
 
     #[test]
+    fn upright_walls_have_the_seam_that_a_search_would_find() {
+        for seed in 0..40 {
+            let mut random = Random::new(seed);
+            let [mut quick, mut plain] = [(); 2].map(|()| SeamPlacer::new(SeamPosition::Aligned));
+            let rings = |random: &mut Random| -> Vec<_> {
+                let one = |i: i32| {
+                    let (r, n) = (500_000 + random.below(3_000_000) as i32, 3 + random.below(9) as usize);
+                    circle(i * 5_000_000, 0, r, n, random.below(7) as f64)
+                };
+                (0..12).map(one).collect()
+            };
+            let mut layer = rings(&mut random);
+            for z in 0..12 {
+                match random.below(6) {
+                    0 => layer = rings(&mut random),
+                    1 => drop(layer.remove(random.below(layer.len() as u64) as usize)),
+                    2 => layer.swap(0, 3),
+                    _ => {}
+                }
+                for ring in &layer {
+                    let hole = ring.len() % 3 == 0;
+                    let around = Loop { ring, hole, overhang: &[] };
+                    for mark in &mut plain.below {
+                        mark.settled = None;
+                    }
+                    assert_eq!(
+                        quick.place(around, HOME, z),
+                        plain.place(around, HOME, z),
+                        "seed {seed}, layer {z}"
+                    );
+                }
+                quick.next_layer();
+                plain.next_layer();
+            }
+        }
+    }
+
+    #[test]
     fn seams_keep_away_from_air() {
         // The corner that is best, at the rear right, hangs in air; the one to its left does not.
         let ring = rectangle(0, 0, 20_000_000, 30_000_000);
@@ -374,7 +455,8 @@ mod tests {
         }
         // A seam in line with those below leaves it for the corner where the air ends.
         let mut placer = SeamPlacer::new(SeamPosition::Aligned);
-        placer.here.push(Mark { at: Point2::new(20_000_000, 600_000), hole: false });
+        let below = Seam { edge: 1, at: Point2::new(20_000_000, 600_000) };
+        placer.mark(solid(&ring), below, false);
         placer.next_layer();
         assert_eq!(placer.place(around, HOME, 1).map(|s| s.at), Some(ring[1]));
     }

@@ -165,3 +165,213 @@ impl<'a> Sheet<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{Random, circle, rectangle};
+    use super::super::{PrintIsland, PrintLayer, plan};
+    use super::*;
+    use crate::infill::FillKind;
+    use crate::region::{BeadKind, Wall};
+    use crate::slice::planes::LayerZ;
+
+    /// The plan of some layers of one island each, and the settings' flows.
+    fn planned(islands: Vec<PrintIsland>, settings: &Settings) -> Vec<LayerPlan> {
+        let layer = |(k, island): (i32, PrintIsland)| PrintLayer {
+            z: LayerZ { slice_z: k * 200_000 + 100_000, print_z: (k + 1) * 200_000, height: 200_000 },
+            islands: vec![island],
+            skirt: Vec::new(),
+        };
+        let layers: Vec<_> = (0..).zip(islands).map(layer).collect();
+        plan(&layers, Point2::default(), settings)
+    }
+
+    /// The second of two layers, the first of which is empty.
+    fn second(island: PrintIsland, settings: &Settings) -> LayerPlan {
+        planned(vec![PrintIsland::default(), island], settings).remove(1)
+    }
+
+    fn uncooled() -> Settings {
+        let mut settings = Settings::default();
+        settings.cooling.cooling = false;
+        settings
+    }
+
+    /// True when no extrusion but the first needs a travel.
+    fn is_joined(layer: &LayerPlan) -> bool {
+        layer.extrusions.windows(2).all(|w| {
+            let (a, b) = (layer.path(&w[0]), layer.path(&w[1]));
+            a.last() == b.first() && !w[1].retract
+        })
+    }
+
+    #[test]
+    fn a_loop_keeps_its_line_and_its_overhangs() {
+        for seed in 0..200 {
+            let mut random = Random::new(seed);
+            let n = 4 + random.below(60) as usize;
+            let ring = circle(9_000_000, 9_000_000, 8_000_000, n, seed as f64);
+            let overhang: Vec<bool> = (0..n).map(|_| random.below(3) == 0).collect();
+            let depth = random.below(2) as u32;
+            let wall = |overhang| Wall { ring: ring.clone(), depth, hole: false, overhang };
+            let with = |wall| PrintIsland { walls: vec![wall], ..PrintIsland::default() };
+            let mut settings = uncooled();
+            settings.output.gcode_resolution = 0.0;
+            settings.perimeters.seam_position = crate::settings::SeamPosition::Rear;
+            let flagged = second(with(wall(overhang.clone())), &settings);
+            let plain = second(with(wall(Vec::new())), &settings);
+            assert!(is_joined(&flagged), "seed {seed}");
+            // The same way, point for point.
+            let mut way: Vec<_> = flagged.extrusions.iter().flat_map(|e| flagged.path(e).to_vec()).collect();
+            way.dedup();
+            assert_eq!(way, plain.path(&plain.extrusions[0]), "seed {seed}");
+            for e in &flagged.extrusions {
+                for w in flagged.path(e).windows(2) {
+                    // The middle of each line tells which edge it is on.
+                    let middle = Point2::new(w[0].x.midpoint(w[1].x), w[0].y.midpoint(w[1].y));
+                    let edge = super::super::seam::nearest_on(&ring, middle).map(|s| s.0.edge);
+                    let over_air = edge.is_some_and(|i| overhang[i]);
+                    assert_eq!(e.role == Role::OverhangPerimeter, over_air, "seed {seed}");
+                }
+            }
+            assert!(flagged.extrusions.windows(2).all(|w| w[0].role != w[1].role), "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn corners_where_the_role_changes_survive_simplification() {
+        let mut ring = rectangle(0, 0, 20_000_000, 20_000_000);
+        ring.splice(1..1, [Point2::new(5_000_000, 0), Point2::new(9_000_000, 0)]);
+        let overhang = vec![false, true, false, false, false, false];
+        let wall = Wall { ring: ring.clone(), depth: 0, hole: false, overhang };
+        let layer = second(PrintIsland { walls: vec![wall], ..PrintIsland::default() }, &uncooled());
+        let over: Vec<_> = layer.extrusions.iter().filter(|e| e.role == Role::OverhangPerimeter).collect();
+        assert_eq!(over.len(), 1);
+        assert_eq!(layer.path(over[0]), &ring[1..3]);
+        // Thick threads at the speed of bridges.
+        assert_eq!((over[0].width, over[0].height, over[0].speed), (0.4, 0.4, 60.0));
+        assert_eq!(layer.extrusions[0].speed, 30.0);
+    }
+
+    #[test]
+    fn a_small_loop_is_slow_all_round() {
+        let wall = Wall {
+            ring: circle(0, 0, 2_000_000, 24, 0.0),
+            overhang: (0..24).map(|i| i < 9).collect(),
+            ..Wall::default()
+        };
+        let layer = second(PrintIsland { walls: vec![wall], ..PrintIsland::default() }, &uncooled());
+        assert!(layer.extrusions.len() >= 2);
+        assert!(layer.extrusions.iter().all(|e| e.speed == 15.0));
+    }
+
+    #[test]
+    fn a_bead_is_joined_pieces_of_its_volume() {
+        let bead = Bead {
+            points: vec![Point2::new(0, 0), Point2::new(6_000_000, 0), Point2::new(9_000_000, 4_000_000)],
+            widths: vec![300_000, 700_000, 450_000],
+            kind: BeadKind::GapFill,
+        };
+        let mut settings = uncooled();
+        settings.speed.max_volumetric_speed = 2.0;
+        let layer = second(PrintIsland { beads: vec![bead], ..PrintIsland::default() }, &settings);
+        assert!(is_joined(&layer) && layer.extrusions.len() > 10);
+        let volume: f64 = layer.extrusions.iter().map(|e| e.length * e.mm3_per_mm).sum();
+        let rounding = 0.2 * (1.0 - std::f64::consts::PI / 4.0);
+        let wanted = 0.2 * (6.0 * (0.5 - rounding) + 5.0 * (0.575 - rounding));
+        assert!((volume / wanted - 1.0).abs() < 1e-6, "{volume} mm³, not {wanted}");
+        for e in &layer.extrusions {
+            assert_eq!(e.role, Role::GapFill);
+            assert!((0.3..0.7).contains(&e.width) && e.height == 0.2);
+            assert!((e.speed - (2.0 / e.mm3_per_mm).min(20.0)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn walls_thin_walls_gaps_and_fills_follow_each_other() {
+        let line = |y: i32, kind| Bead {
+            points: vec![Point2::new(0, y), Point2::new(8_000_000, y)],
+            widths: vec![400_000; 2],
+            kind,
+        };
+        let fill = |y: i32, kind| FillPath {
+            points: vec![Point2::new(1_000_000, y), Point2::new(7_000_000, y)],
+            kind,
+            layers: 1,
+        };
+        let wall = |depth, d: i32| Wall {
+            ring: rectangle(d, d, 8_000_000 - d, 5_000_000),
+            depth,
+            ..Wall::default()
+        };
+        let mut closed = line(0, BeadKind::ThinWall);
+        closed.points = circle(4_000_000, 9_000_000, 900_000, 12, 0.2);
+        closed.points.push(closed.points[0]);
+        closed.widths = vec![400_000; 13];
+        let island = || PrintIsland {
+            walls: vec![wall(0, 0), wall(1, 400_000)],
+            beads: vec![
+                line(4_000_000, BeadKind::GapFill),
+                line(6_000_000, BeadKind::ThinWall),
+                closed.clone(),
+            ],
+            fills: vec![
+                fill(1_000_000, FillKind::Solid),
+                fill(2_000_000, FillKind::Bridge),
+                fill(1_500_000, FillKind::Bridge),
+                fill(3_000_000, FillKind::Sparse),
+            ],
+        };
+        use Role::{BridgeInfill, ExternalPerimeter, GapFill, InternalInfill, Perimeter, SolidInfill};
+        let mut settings = uncooled();
+        // Thin walls and nests come as they lie.
+        let roles = |layer: &LayerPlan, walls: std::ops::Range<usize>| {
+            let mut roles: Vec<_> = layer.extrusions.iter().map(|e| e.role).collect();
+            roles[walls].sort();
+            roles
+        };
+        let walls = [Perimeter, ExternalPerimeter, ExternalPerimeter, ExternalPerimeter];
+        let fills = [InternalInfill, BridgeInfill, BridgeInfill, SolidInfill];
+        let layer = second(island(), &settings);
+        assert_eq!(roles(&layer, 0..4), [&walls[..], &[GapFill], &fills].concat());
+        // Bridges keep their order and directions.
+        let bridges: Vec<_> = layer.extrusions.iter().filter(|e| e.role == BridgeInfill).collect();
+        assert_eq!(bridges.iter().map(|e| layer.path(e)[0].y).collect::<Vec<_>>(), [2_000_000, 1_500_000]);
+        // The tube of one bead is a small loop with a gap at its seam; the open wall is not.
+        let [tube, open] = [true, false].map(|tube| {
+            let above = |e: &&Extrusion| layer.path(e)[0].y > 7_000_000;
+            layer
+                .extrusions
+                .iter()
+                .filter(|e| e.width == 0.4 && e.role == ExternalPerimeter)
+                .find(|e| above(e) == tube)
+        });
+        assert_eq!([tube, open].map(|e| e.map_or(0.0, |e| e.speed)), [15.0, 30.0]);
+        let ends = tube.map(|e| layer.path(e)).map_or(0.0, |p| p[0].distance(p[p.len() - 1]));
+        assert!((ends - 60_000.0).abs() < 100.0, "{ends}");
+        settings.infill.infill_first = true;
+        assert_eq!(roles(&second(island(), &settings), 4..8), [&fills[..], &walls, &[GapFill]].concat());
+    }
+
+    #[test]
+    fn combined_infill_is_as_thick_as_its_layers() {
+        let fill = |layers| PrintIsland {
+            fills: vec![FillPath {
+                points: vec![Point2::new(0, 0), Point2::new(9_000_000, 0)],
+                kind: FillKind::Sparse,
+                layers,
+            }],
+            ..PrintIsland::default()
+        };
+        let layers = planned(vec![fill(1), fill(1), fill(2), fill(9)], &uncooled());
+        let heights =
+            layers.iter().map(|l| (l.extrusions[0].height * 1e6).round() as i64).collect::<Vec<_>>();
+        // There are only four layers to be filled by the last.
+        assert_eq!(heights, [200_000, 200_000, 400_000, 800_000]);
+        assert!(
+            (layers[2].extrusions[0].mm3_per_mm - 0.4 * (0.45 - 0.4 * (1.0 - std::f64::consts::PI / 4.0)))
+                .abs()
+                < 1e-12
+        );
+    }
+}
