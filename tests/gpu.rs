@@ -11,6 +11,8 @@ mod compare;
 mod faults;
 #[path = "gpu/files.rs"]
 mod files;
+#[path = "gpu/infill_rows.rs"]
+mod infill_rows;
 #[path = "kernels/mod.rs"]
 mod kernels;
 #[path = "gpu/limits.rs"]
@@ -80,6 +82,7 @@ fn main() -> ExitCode {
         build::TESTS,
         span::TESTS,
         span_limits::TESTS,
+        infill_rows::TESTS,
         limits::TESTS,
         faults::TESTS,
         files::TESTS,

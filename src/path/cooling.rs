@@ -15,7 +15,7 @@ pub(super) fn cool(layer: &mut LayerPlan, index: usize, settings: &CoolingSettin
     }
     layer.fan = fan(layer.seconds(), index, settings);
     let over_air = ramped(settings.bridge_fan_speed, index, settings);
-    if settings.cooling && over_air > layer.fan {
+    if over_air > layer.fan {
         for e in layer.extrusions.iter_mut().filter(|e| e.role.is_bridge()) {
             e.fan = Some(over_air);
         }

@@ -142,5 +142,6 @@ impl Place {
 }
 
 #[cfg(test)]
+#[allow(clippy::panic, clippy::unwrap_used)]
 #[path = "gaps_tests.rs"]
 mod tests;

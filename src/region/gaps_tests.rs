@@ -243,7 +243,7 @@ impl Random {
 
 /// Whether two segments cross properly.
 fn cross(a: Point2, b: Point2, c: Point2, d: Point2) -> bool {
-    let side = |a, b, c| cross(a, b, c).signum();
+    let side = |a, b, c| crate::lattice::cross(a, b, c).signum();
     side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0
 }
 

@@ -47,9 +47,9 @@ pub struct WallPlan {
 /// left out.
 const OVERLAP_TOLERANCE: f64 = 0.4;
 
-/// Infill lines end this share of their spacing short of the overlap, since their round ends reach
-/// further.
-const END_ALLOWANCE: f64 = 0.05;
+/// Infill lines end this share of their spacing short of the overlap, since the links between them run
+/// along that border and are as wide as they are.
+const END_ALLOWANCE: f64 = 0.5;
 
 impl WallPlan {
     /// The plan for a layer of `height_mm` \[mm\].

@@ -3,15 +3,16 @@
 
 mod flight;
 
-use super::{RowWindow, Rows};
+use super::{RowFrame, RowWindow, Rows, rings};
 use crate::gpu::timing::KernelTime;
 use crate::gpu::{Device, GpuError};
+use crate::lattice::Point2;
 use crate::shaders::{
     SCAN_ADD, SCAN_BLOCK, SLICE_COUNT, SLICE_EMIT, SLICE_EMIT_EVEN, SPAN_COMPACT, SPAN_COUNT, SPAN_FILL,
     SPAN_SORT,
 };
 use crate::slice::gpu::{DEFAULT_BUDGET, GpuMesh, ResidentSegments};
-use flight::{Flight, Pending, Work};
+use flight::{Flight, Pending, Source, Work};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -90,23 +91,56 @@ impl GpuSpans {
         planes: &[i32],
         per_plane: &[u64],
         window: &RowWindow,
-        mut receive: impl FnMut(Range<usize>, Vec<Option<Rows>>) -> Result<(), E>,
+        receive: impl FnMut(Range<usize>, Vec<Option<Rows>>) -> Result<(), E>,
     ) -> Result<(), E> {
         let share = self.share(mesh)?;
+        let source = |run: Range<usize>| Source::Mesh(mesh, planes.get(run).unwrap_or_default());
+        self.run(planes.len(), per_plane, window, share, source, receive)
+    }
+
+    /// As [`GpuSpans::scan`], of closed rings \[nm\] at the host instead of sections of a mesh, on the rows of
+    /// any frame: bit for bit those of [`super::scan()`]. `window` is [`rings::window`] of the same planes, or
+    /// of more.
+    ///
+    /// # Errors
+    /// As [`GpuSpans::scan`].
+    pub fn scan_rings<E: From<GpuError>>(
+        &mut self,
+        planes: &[Vec<&[Point2]>],
+        frame: &RowFrame,
+        window: &RowWindow,
+        receive: impl FnMut(Range<usize>, Vec<Option<Rows>>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let points = |rings: &Vec<&[Point2]>| rings.iter().map(|r| r.len() as u64).sum();
+        let per_plane: Vec<u64> = planes.iter().map(points).collect();
+        let source = |run| Source::Host(rings::segments(planes.get(run).unwrap_or_default(), frame));
+        self.run(planes.len(), &per_plane, window, self.budget / 2, source, receive)
+    }
+
+    /// Run after run of `planes`, one ahead of the other.
+    fn run<'s, E: From<GpuError>>(
+        &mut self,
+        planes: usize,
+        per_plane: &[u64],
+        window: &RowWindow,
+        share: u64,
+        source: impl Fn(Range<usize>) -> Source<'s>,
+        mut receive: impl FnMut(Range<usize>, Vec<Option<Rows>>) -> Result<(), E>,
+    ) -> Result<(), E> {
         let mut ahead: Option<(Range<usize>, Pending)> = None;
         let mut density = CROSSINGS_PER_SEGMENT;
         let (mut from, mut turn) = (0, 0);
-        while from < planes.len() {
-            let mut end = self.plan(from, planes.len(), per_plane, window, share, density);
+        while from < planes {
+            let mut end = self.plan(from, planes, per_plane, window, share, density);
             let begun = loop {
                 let segments = (from..end).map(|k| per_plane.get(k).copied().unwrap_or(0)).sum();
-                let work = Work { mesh, planes: &planes[from..end], segments, window, share };
+                let work = Work { source: source(from..end), planes: end - from, segments, window, share };
                 let flight = &mut self.flights[turn % 2];
                 let begun = flight.begin(&self.device, &work, &mut density, &mut self.times);
                 match begun {
                     Err(GpuError::TooLarge { .. } | GpuError::Budget { .. }) if end - from > 1 => {
                         // By what has been found, and at least by half.
-                        let again = self.plan(from, planes.len(), per_plane, window, share, density);
+                        let again = self.plan(from, planes, per_plane, window, share, density);
                         end = again.min(from + (end - from) / 2);
                     }
                     other => break other,

@@ -9,6 +9,7 @@ pub mod frame;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod morph;
+pub mod rings;
 pub mod rows;
 pub mod scan;
 pub mod twin;

@@ -57,3 +57,97 @@ fn ignored_keys_are_counted_and_listed_on_request() {
     let text = stderr(&done) + &stdout(&done);
     assert!(text.contains("irrelevant_key") && text.contains("printer_notes"), "{text}");
 }
+
+/// Runs `slice` on the box with settings that cannot work; returns the message.
+fn refused(bench: &Bench, values: &[&str]) -> String {
+    let mut args = vec!["slice", "box.stl", "-o", "out.gcode"];
+    args.extend(values.iter().flat_map(|value| ["--set", value]));
+    let done = bench.run(&args);
+    let text = stderr(&done);
+    assert!(!done.status.success() && !bench.path("out.gcode").exists(), "{values:?} was taken");
+    assert_ne!(done.status.code(), Some(1), "{values:?}: {text}");
+    assert_eq!(text.matches("error:").count(), 1, "{values:?}: {text}");
+    text
+}
+
+#[test]
+fn settings_that_cannot_work_are_refused_with_a_remedy() {
+    let bench = bench_with_box();
+    for (values, words) in [
+        (
+            &["extrusion_width=0.1", "first_layer_extrusion_width=0"][..],
+            &["extrusion_width = 0.1", "at least"][..],
+        ),
+        (
+            &["external_perimeter_extrusion_width=1.5"],
+            &["external_perimeter_extrusion_width = 1.5", "at most 1.2"],
+        ),
+        (&["layer_height=0.45"], &["layer_height = 0.45", "nozzle", "at most 0.4"]),
+        (
+            &["perimeters=0", "fill_density=0", "top_solid_layers=0", "bottom_solid_layers=0"],
+            &["perimeters = 0", "at least 1"],
+        ),
+        (&["fill_density=101%"], &["fill_density", "101%"]),
+        (&["infill_every_layers=0"], &["infill_every_layers", "0"]),
+        (&["infill_overlap=2"], &["infill_overlap = 2", "at most"]),
+        (&["bridge_flow_ratio=0"], &["bridge_flow_ratio", "0"]),
+        (&["bridge_speed=0"], &["bridge_speed = 0", "above 0"]),
+        (&["gap_fill_speed=0"], &["gap_fill_speed = 0", "gap_fill_enabled = 0"]),
+        (&["fill_pattern=gyroid"], &["fill_pattern", "gyroid"]),
+        (&["xy_size_compensation=-10"], &["box.stl", "nothing to print"]),
+    ] {
+        let text = refused(&bench, values);
+        for word in words {
+            assert!(text.contains(word), "{values:?}: {word} is not in {text}");
+        }
+    }
+}
+
+#[test]
+fn extreme_settings_have_a_defined_result() {
+    let bench = bench_with_box();
+    let model = bench.path("box.stl");
+    for (values, warning) in [
+        (&["extrusion_width=0", "perimeter_extrusion_width=0"][..], None),
+        (&["perimeters=0"], Some("perimeters")),
+        (&["perimeters=1000"], None),
+        (&["fill_density=0"], None),
+        (&["fill_density=100%"], None),
+        (&["fill_density=100%", "fill_pattern=line"], Some("fill_pattern")),
+        (&["fill_density=0", "top_solid_layers=0", "bottom_solid_layers=0"], None),
+        (&["infill_every_layers=100"], Some("infill_every_layers")),
+        (&["bridge_flow_ratio=0.01"], Some("bridge_flow_ratio")),
+        (&["infill_anchor=1000", "infill_anchor_max=0"], Some("infill_anchor")),
+        (&["infill_anchor=1000", "infill_anchor_max=1000"], None),
+        (&["top_solid_layers=100000", "solid_infill_every_layers=1"], None),
+        (&["xy_size_compensation=-2"], Some("xy_size_compensation")),
+        (&["gap_fill_speed=0", "gap_fill_enabled=0"], None),
+        (&["bridge_fan_speed=0", "min_print_speed=0"], None),
+    ] {
+        let mut args = vec!["slice", model.to_str().unwrap(), "-o", "out.gcode"];
+        args.extend(values.iter().flat_map(|value| ["--set", value]));
+        let done = bench.run(&args);
+        assert!(done.status.success(), "{values:?}: {}", stderr(&done));
+        let told: Vec<_> =
+            warning.into_iter().filter(|key| stderr(&done).contains(&format!("{key} ="))).collect();
+        assert_eq!(told.len(), usize::from(warning.is_some()), "{values:?}: {}", stderr(&done));
+        let text = std::fs::read_to_string(bench.path("out.gcode")).unwrap();
+        assert!(text.contains(" E") && !text.contains("NaN") && !text.contains("inf "), "{values:?}");
+        std::fs::remove_file(bench.path("out.gcode")).unwrap();
+    }
+}
+
+#[test]
+fn a_layer_is_drawn_on_request() {
+    let bench = bench_with_box();
+    let model = bench.path("box.stl");
+    bench.slice(&model, &["--picture", "layer.png", "--picture-layer", "3"]);
+    let png = std::fs::read(bench.path("layer.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG"));
+    std::fs::remove_file(bench.path("out.gcode")).unwrap();
+    let done =
+        bench.run(["slice", "box.stl", "-o", "out.gcode", "--picture", "b.png", "--picture-layer", "999"]);
+    assert_eq!(done.status.code(), Some(4));
+    assert!(stderr(&done).contains("--picture-layer 999"), "{}", stderr(&done));
+    assert!(!bench.path("out.gcode").exists() && !bench.path("b.png").exists());
+}

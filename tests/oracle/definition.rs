@@ -119,7 +119,8 @@ fn strip(side: &[Place; 2], d: f64) -> Vec<Place> {
 fn joint(before: &[Place; 2], after: &[Place; 2], d: f64) -> Option<Vec<Place>> {
     let (u, v, corner) = (direction(before), direction(after), after[0]);
     let turn = (u.0 * v.1 - u.1 * v.0).atan2(u.0 * v.0 + u.1 * v.1);
-    if (0.0..std::f64::consts::PI - 1e-5).contains(&turn) {
+    // A fold all the way back counts as a turn away.
+    if (0.0..std::f64::consts::PI - 1e-6).contains(&turn) {
         return None;
     }
     let turn = turn.abs();

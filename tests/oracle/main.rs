@@ -7,6 +7,7 @@ mod definition;
 mod insets;
 mod masks;
 mod nasty;
+mod plans;
 mod stupid;
 
 use bodies::Random;

@@ -6,6 +6,7 @@ use crate::gpu::dispatch::{Readback, Recording};
 use crate::gpu::{Buffer, Device, GpuError};
 use crate::lattice::Point2;
 use crate::shaders::{SLICE_EMIT, SLICE_EMIT_EVEN, SliceSizes};
+use crate::slice::Segments;
 
 /// The segments of a run of planes in device memory, as in [`crate::slice::Segments`]. All of them lie in
 /// one binding each, because a link leads anywhere in the run.
@@ -76,6 +77,18 @@ impl ResidentSegments {
         }
         let triangles = mesh.triangles();
         recording.read_back_part(&flight.offset, triangles..triangles + 1)
+    }
+
+    /// Takes segments from the host in place of sliced ones.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] when they exceed a binding, [`GpuError::OutOfMemory`].
+    pub fn replace(&mut self, device: &Device, segments: &Segments) -> Result<(), GpuError> {
+        let Self(flight) = self;
+        flight.first.replace(device, &segments.first)?;
+        flight.offset.replace(device, &segments.offset)?;
+        flight.start.replace(device, &segments.start)?;
+        flight.next.replace(device, &segments.next)
     }
 
     /// Per triangle the first plane that it meets.

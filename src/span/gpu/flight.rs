@@ -5,6 +5,7 @@ use crate::gpu::scan::{self, Scratch};
 use crate::gpu::timing::KernelTime;
 use crate::gpu::{Buffer, Device, GpuError};
 use crate::shaders::{SPAN_COMPACT, SPAN_COUNT, SPAN_FILL, SPAN_SORT, SpanSizes};
+use crate::slice::Segments;
 use crate::slice::gpu::{GpuMesh, ResidentSegments};
 use crate::span::window::REACH;
 use crate::span::{RowWindow, Rows, Span};
@@ -26,13 +27,22 @@ pub(super) const fn bytes(segments: u64, rows: u64, crossings: u64) -> u64 {
 
 /// What a run is made from.
 pub(super) struct Work<'a> {
-    pub mesh: &'a GpuMesh,
-    pub planes: &'a [i32],
+    pub source: Source<'a>,
+    /// How many planes there are.
+    pub planes: usize,
     /// How many segments the planes have.
     pub segments: u64,
     pub window: &'a RowWindow,
     /// Memory that the run may take \[bytes\].
     pub share: u64,
+}
+
+/// Where segments come from.
+pub(super) enum Source<'a> {
+    /// A mesh, cut at planes.
+    Mesh(&'a GpuMesh, &'a [i32]),
+    /// The host, one to a triangle.
+    Host(Segments),
 }
 
 /// The arrays of one run.
@@ -98,7 +108,7 @@ impl Flight {
         density: &mut u64,
         times: &mut Option<Vec<KernelTime>>,
     ) -> Result<Pending, GpuError> {
-        let rows = work.planes.len() as u64 * u64::from(work.window.rows());
+        let rows = work.planes as u64 * u64::from(work.window.rows());
         let needs = bytes(work.segments, rows, 0);
         if needs > work.share {
             return Err(GpuError::Budget { what: "a run of planes", needs, budget: work.share });
@@ -146,10 +156,13 @@ impl Flight {
         self.steps.resize(device, rows + 1)?;
         self.row_count.resize(device, rows + 2)?;
         self.row_offset.resize(device, rows + 2)?;
-        self.totals.resize(device, 4 + work.planes.len())?;
+        self.totals.resize(device, 4 + work.planes)?;
         Ok(SpanSizes {
-            planes: work.planes.len() as u32,
-            triangles: work.mesh.triangles() as u32,
+            planes: work.planes as u32,
+            triangles: match &work.source {
+                Source::Mesh(mesh, _) => mesh.triangles() as u32,
+                Source::Host(segments) => segments.first.len() as u32,
+            },
             segments: segments as u32,
             ..work.window.sizes()
         })
@@ -164,8 +177,16 @@ impl Flight {
         times: &mut Option<Vec<KernelTime>>,
     ) -> Result<Vec<u32>, GpuError> {
         let mut recording = Recording::new(device, times.is_some())?;
-        let total =
-            self.segments.record(device, &mut recording, work.mesh, work.planes, sizes.segments as usize)?;
+        let total = match &work.source {
+            Source::Mesh(mesh, planes) => {
+                let total = sizes.segments as usize;
+                Some(self.segments.record(device, &mut recording, mesh, planes, total)?)
+            }
+            Source::Host(segments) => {
+                self.segments.replace(device, segments)?;
+                None
+            }
+        };
         recording.clear(&self.steps)?;
         recording.clear(&self.totals)?;
         recording.dispatch(
@@ -188,12 +209,14 @@ impl Flight {
         scan::record(device, &mut recording, &mut self.row_scratch, &self.row_count, &self.row_offset)?;
         let totals = recording.read_back(&self.totals)?;
         let mut submission = recording.submit()?;
-        let total = total.take(device, &submission)?;
+        let total = total.map(|total| total.take(device, &submission)).transpose()?;
         let totals = totals.take(device, &submission)?;
         if let Some(times) = times {
             times.extend(submission.times(device)?);
         }
-        if total != [sizes.segments] {
+        if let Some(total) = total
+            && total != [sizes.segments]
+        {
             let message = format!("{total:?} segments where {} were expected", sizes.segments);
             return Err(GpuError::Validation(message));
         }
