@@ -12,6 +12,8 @@ pub(super) struct Shape {
     pub kind: BeadKind,
     /// Added to the diameter of the disc.
     pub add: f64,
+    /// How far the discs between two points may reach over the border of the area.
+    pub slack: f64,
     /// Beads shorter than this are crumbs.
     pub shortest: f64,
 }
@@ -34,7 +36,7 @@ pub(super) fn beads(pieces: Vec<Vec<Node>>, edges: &Edges, shape: &Shape, origin
     let limit = f64::from(LIMIT - 1);
     // The way is rounded before it is added, so that the result moves with its input.
     let place = |origin: i32, by: f64| (f64::from(origin) + by.round()).clamp(-limit, limit) as i32;
-    join(pieces, edges)
+    join(pieces, edges, shape.slack)
         .into_iter()
         .filter(|nodes| length(nodes) >= shape.shortest)
         .filter_map(|nodes| {
@@ -99,7 +101,7 @@ impl End {
 }
 
 /// Joins pieces that carry on from each other, the straightest first.
-fn join(pieces: Vec<Vec<Node>>, edges: &Edges) -> Vec<Vec<Node>> {
+fn join(pieces: Vec<Vec<Node>>, edges: &Edges, slack: f64) -> Vec<Vec<Node>> {
     let ends: Vec<Option<End>> =
         pieces.iter().flat_map(|nodes| [End::of(nodes, false), End::of(nodes, true)]).collect();
     let (mut joints, mut found) = (Vec::new(), Vec::new());
@@ -109,7 +111,7 @@ fn join(pieces: Vec<Vec<Node>>, edges: &Edges) -> Vec<Vec<Node>> {
             if let (Some(a), Some(b)) = (a, b)
                 && let Some(straight) = a.joins(b)
                 && straight >= STRAIGHT
-                && a.node.leads_to(&b.node, edges, &mut found)
+                && a.node.leads_to(&b.node, edges, slack, &mut found)
                 // A piece closes on itself when it is long enough to have an inside.
                 && !(own && length(&pieces[i / 2]) < 4.0 * a.node.distance(&b.node) + STEP)
             {

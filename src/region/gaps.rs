@@ -66,7 +66,8 @@ pub(super) fn beside_wall<'a>(
     match depth.checked_sub(1) {
         None if plan.beads.thin_walls => {
             let radii = (0.5 * THINNEST * width, most as f64);
-            let shape = Shape { kind: BeadKind::ThinWall, add: 0.0, shortest: SHORTEST * width };
+            let shape =
+                Shape { kind: BeadKind::ThinWall, add: 0.0, slack: 4_000.0, shortest: SHORTEST * width };
             Place { taken: 0.0, radii, reach: 0.5 * width }.fill(area, || inner, &shape)
         }
         Some(outer) if plan.beads.gap_fill => {
@@ -104,7 +105,7 @@ fn gap_fill<'a, R: IntoIterator<Item = &'a Ring>>(
     let spacing = spacing as f64;
     let radii = (0.5 * (1.0 + NARROWEST_GAP) * spacing, most as f64);
     let add = plan.beads.rounding as f64 - spacing;
-    let shape = Shape { kind: BeadKind::GapFill, add, shortest: SHORTEST * spacing };
+    let shape = Shape { kind: BeadKind::GapFill, add, slack: 50_000.0, shortest: SHORTEST * spacing };
     Place { taken: 0.5 * spacing, radii, reach }.fill(area, inner, &shape)
 }
 
@@ -130,7 +131,7 @@ impl Place {
         // Sorted only when it is asked for: most areas have no narrow places.
         let (mut inner, mut inside) = (Some(inner), Edges::default());
         let mut near = Vec::new();
-        let pieces = medial::axis(&edges, self.radii.0..=self.radii.1, |node| {
+        let pieces = medial::axis(&edges, self.radii.0..=self.radii.1, shape.slack, |node| {
             if let Some(inner) = inner.take() {
                 inside = Edges::new(inner().into_iter(), origin);
             }

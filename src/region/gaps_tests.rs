@@ -1,5 +1,7 @@
 //! Beads in shapes of known thickness and in random ones.
 
+#![allow(clippy::panic)]
+
 use super::*;
 use crate::lattice::Point2;
 use crate::region::Island;
@@ -243,7 +245,7 @@ impl Random {
 
 /// Whether two segments cross properly.
 fn cross(a: Point2, b: Point2, c: Point2, d: Point2) -> bool {
-    let side = |a, b, c| crate::lattice::cross(a, b, c).signum();
+    let side = |a, b, c| lattice::cross(a, b, c).signum();
     side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0
 }
 

@@ -22,15 +22,15 @@ pub(super) struct Node {
 }
 
 impl Node {
-    /// Whether the discs on the way straight to `other`, their radii changing evenly, lie inside the
-    /// border; `found` is scratch.
-    pub fn leads_to(&self, other: &Self, edges: &Edges, found: &mut Vec<u32>) -> bool {
+    /// Whether the discs on the way straight to `other`, their radii changing evenly, reach over the
+    /// border by no more than `slack` \[nm\]; `found` is scratch.
+    pub fn leads_to(&self, other: &Self, edges: &Edges, slack: f64, found: &mut Vec<u32>) -> bool {
         let way = self.distance(other);
         let count = (4.0 * way / STEP).ceil().min(16.0);
         (1..count as u32).all(|k| {
             let t = f64::from(k) / count;
             let mix = |a: f64, b: f64| a + t * (b - a);
-            let r = mix(self.r, other.r) - INACCURACY;
+            let r = mix(self.r, other.r) - slack;
             edges.clear_of(mix(self.x, other.x), mix(self.y, other.y), r, found)
         })
     }
@@ -57,23 +57,22 @@ const OPPOSITE: f64 = -0.5;
 /// edges may stand at a right angle to it.
 const FACING: f64 = 0.05;
 
-/// How far discs between two nodes may reach over the border \[nm\].
-const INACCURACY: f64 = 4_000.0;
-
 /// Edges nearer than this in front of a border point touch it \[nm\].
 const TOUCHING: f64 = 0.5;
 
 /// The pieces of the medial axis of the area bounded by `edges` whose discs have a radius within
-/// `radii` and pass `keep`, each in the order of the border on one of its sides.
+/// `radii` and pass `keep`, and between them reach over the border by no more than `slack`; each in the order of the border on one of its sides.
 pub(super) fn axis(
     edges: &Edges,
     radii: std::ops::RangeInclusive<f64>,
+    slack: f64,
     keep: impl FnMut(&Node) -> bool,
 ) -> Vec<Vec<Node>> {
     let mut walk = Walk {
         edges,
         least: *radii.start(),
         most: *radii.end(),
+        slack,
         keep,
         near: Vec::new(),
         ahead: Vec::new(),
@@ -130,6 +129,7 @@ struct Walk<'a, F> {
     edges: &'a Edges,
     least: f64,
     most: f64,
+    slack: f64,
     keep: F,
     /// The edges near the run in hand.
     near: Vec<u32>,
@@ -285,7 +285,8 @@ impl<F: FnMut(&Node) -> bool> Walk<'_, F> {
         // Discs near a flat corner of the border fail; the axis goes on behind.
         let found = &mut self.found;
         if self.piece.last().is_some_and(|last| {
-            last.distance(&node) > node.r.max(last.r) + STEP || !last.leads_to(&node, self.edges, found)
+            last.distance(&node) > node.r.max(last.r) + STEP
+                || !last.leads_to(&node, self.edges, self.slack, found)
         }) {
             self.flush();
         }
