@@ -1,5 +1,6 @@
 //! The border of the infill area between two rows: ways along it, and obstacles in it.
 
+use super::anchor::Open;
 use crate::lattice::Point2;
 use crate::span::{Hit, RowFrame, Trace};
 use std::ops::Range;
@@ -103,6 +104,23 @@ impl Border<'_> {
             }
         }
         true
+    }
+
+    /// True when `open` holds all along the way.
+    pub fn is_open(&self, from: u32, run: Run, open: &impl Open) -> bool {
+        if open.is_all() {
+            return true;
+        }
+        let mut at = self.point(from);
+        self.vertices(run).chain([self.point(run.to)]).all(|p| {
+            let from = std::mem::replace(&mut at, p);
+            open.reach(from, p) >= from.distance(p)
+        })
+    }
+
+    /// The crossing from which a way leads forwards on its ring: its beginning, or its end.
+    pub fn stretch(&self, from: u32, run: Run) -> u32 {
+        if run.forward { from } else { run.to }
     }
 }
 

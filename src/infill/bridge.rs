@@ -162,6 +162,19 @@ pub fn across(lines: &[f64], usual: f64) -> f64 {
     [usual].into_iter().filter(best).chain(all).next().unwrap_or(usual).rem_euclid(180.0)
 }
 
+/// Bridges of the same direction as one, in the order of the first of each.
+pub fn by_direction(bridges: Vec<Bridge>) -> Vec<Bridge> {
+    let mut sorted: Vec<(usize, Bridge)> = Vec::with_capacity(bridges.len());
+    for bridge in bridges {
+        let first = sorted.iter().find(|(_, b)| b.degrees == bridge.degrees).map(|(first, _)| *first);
+        sorted.push((first.unwrap_or(sorted.len()), bridge));
+    }
+    sorted.sort_by_key(|(first, _)| *first);
+    let bridges: Vec<Bridge> = sorted.into_iter().map(|(_, bridge)| bridge).collect();
+    let like = |a: &Bridge, b: &Bridge| a.degrees == b.degrees;
+    bridges.chunk_by(like).map(|same| Bridge { rows: union(same), degrees: same[0].degrees }).collect()
+}
+
 /// All bridges' rows.
 pub fn union(bridges: &[Bridge]) -> Rows {
     if let [one] = bridges {

@@ -1,11 +1,12 @@
 //! All layers: regions on rows, areas by kind, lines.
 
-use super::bridge::{Bridge, Grid, over_air, over_sparse, union};
+use super::anchor::Everywhere;
+use super::bridge::{Bridge, Grid, by_direction, over_air, over_sparse, union};
 use super::combine::{Thick, combine};
 use super::patterns::{self, Sparse};
-use super::rectilinear::{Style, lay};
+use super::rectilinear::{Chain, Links, chains};
 use super::regions::{Compared, Regions};
-use super::skin::{Areas, Level, divide};
+use super::skin::{Areas, Level, Skins, Stack};
 use super::{FillKind, FillPath, FillPlan};
 use crate::contour::Ring;
 use crate::region::Island;
@@ -42,9 +43,11 @@ pub fn fill(layers: &[FillLayer], plan: &FillPlan) -> Vec<Vec<Vec<FillPath>>> {
         layers.iter().map(|l| Level { top: l.print_z, bottom: l.print_z - l.height }).collect();
     let outlines = on_rows(layers, &frame, |i| i.outline.rings());
     let own = on_rows(layers, &frame, |i| i.infill.iter().flat_map(|e| e.rings()));
-    let mut areas = divided(&own, &outlines, &levels, &frame, plan);
+    let stack = Stack { outlines: &outlines, own: &own, levels: &levels, frame: &frame, plan };
+    let skins: Vec<Skins> = (0..layers.len()).into_par_iter().map(|i| stack.skins(i)).collect();
+    let mut areas: Vec<Areas> = (0..layers.len()).into_par_iter().map(|i| stack.divide(i, &skins)).collect();
     let bridges = bridges(&mut areas, &own, &outlines, &frame, plan);
-    let sparse = combine(&mut areas, &levels, plan);
+    let sparse = combine(&mut areas, &levels, &frame, plan);
     layers
         .par_iter()
         .enumerate()
@@ -93,18 +96,6 @@ fn on_rows<'a, R: Iterator<Item = &'a Ring>>(
     shared
 }
 
-/// Every layer's areas.
-fn divided(
-    own: &[Arc<Rows>],
-    outlines: &[Arc<Rows>],
-    levels: &[Level],
-    frame: &RowFrame,
-    plan: &FillPlan,
-) -> Vec<Areas> {
-    let outlines: Vec<&Rows> = outlines.iter().map(|o| &**o).collect();
-    own.par_iter().enumerate().map(|(i, own)| divide(i, own, &outlines, levels, frame, plan)).collect()
-}
-
 /// Takes the bridges out of every layer's areas, those over sparse infill and those over air; what is
 /// left of the skins over air becomes solid.
 fn bridges(
@@ -142,7 +133,14 @@ fn bridges(
             }
             let below = i.checked_sub(1).and_then(|b| outlines.get(b));
             let found = below.zip(plan.bridges).map_or_else(Vec::new, |(below, rules)| {
-                over_air(&own[i], &bottom, below, grid, plan.degrees(FillKind::Solid, i), &rules)
+                by_direction(over_air(
+                    &own[i],
+                    &bottom,
+                    below,
+                    grid,
+                    plan.degrees(FillKind::Solid, i),
+                    &rules,
+                ))
             });
             areas.solid = or(&areas.solid, &bottom);
             if !found.is_empty() {
@@ -177,6 +175,8 @@ impl Filling<'_> {
         }
         let (compared, plan, layer) = (self.compared, self.plan, self.layer);
         for part in parts {
+            // Counted in layers of this thickness: lines turn from one to the next.
+            let layer = layer / part.layers as usize;
             let sparse = Sparse { compared, area: &part.rows, plan, layer, print_z, layers: part.layers };
             let islands = &compared.regions.island_of_region;
             patterns::lay(&sparse, |region, path| self.out[islands[region]].push(path));
@@ -196,8 +196,13 @@ impl Filling<'_> {
         let area = self.compared.onto(area, trace, lines);
         let border = self.compared.regions.border(trace, lines);
         let least = self.plan.pitch(FillKind::Solid, self.layer);
-        let style = Style { kind, pitch: self.plan.pitch(kind, self.layer), least };
-        let islands = &self.compared.regions.island_of_region;
-        lay(&border, &area, style, |region, path| self.out[islands[region]].push(path));
+        let (pitch, islands) = (self.plan.pitch(kind, self.layer), &self.compared.regions.island_of_region);
+        let mut links = Links::near(pitch, &Everywhere);
+        if !self.plan.linked[kind as usize] {
+            (links.border, links.straight) = (0.0, 0.0);
+        }
+        chains(&border, &area, least, links, |Chain { region, points, .. }| {
+            self.out[islands[region]].push(FillPath { points, kind, layers: 1 });
+        });
     }
 }

@@ -1,5 +1,6 @@
 //! Skins and infill patterns.
 
+mod anchor;
 mod border;
 mod bridge;
 mod combine;

@@ -25,7 +25,7 @@ pub fn onto(area: &Rows, own: &Rows, frame: &RowFrame, own_on_lines: &Rows, line
 }
 
 /// The border of `area` as cells half a row high, directed so that the area lies to the left.
-fn outline(area: &Rows, own: &Rows, frame: &RowFrame) -> Vec<[Point2; 2]> {
+pub fn outline(area: &Rows, own: &Rows, frame: &RowFrame) -> Vec<[Point2; 2]> {
     let reach = |a: Option<i32>| a.unwrap_or(0);
     let far = frame.pitch().clamp(1, 1 << 28) as i32;
     let low = reach(own.spans().iter().map(|s| s.start).min()).saturating_sub(far);

@@ -10,8 +10,8 @@
 //!
 //! Otherwise the path ends and another begins.
 
+use super::anchor::Open;
 use super::border::{Border, INSIDE, Obstacles, Run};
-use super::{FillKind, FillPath};
 use crate::lattice::Point2;
 use crate::span::Rows;
 use crate::span::algebra::and_row;
@@ -23,34 +23,60 @@ const LINK_LIMIT: f64 = 3.0;
 /// and no longer than this \[nm\].
 const LONGEST_LINK: f64 = 50e6;
 
-/// How lines are laid.
+/// Which ways lead from a line to the next.
 #[derive(Clone, Copy, Debug)]
-pub struct Style {
-    /// What they are for.
-    pub kind: FillKind,
-    /// Distance between them \[nm\].
-    pub pitch: f64,
-    /// Paths shorter than this are left out \[nm\].
-    pub least: f64,
+pub struct Links<'a, O> {
+    /// The longest along the border \[nm\]; 0 = none.
+    pub border: f64,
+    /// The longest straight one, as reach along the rows \[nm\]; 0 = none.
+    pub straight: f64,
+    /// Which parts of the border may be used.
+    pub open: &'a O,
+}
+
+impl<'a, O> Links<'a, O> {
+    /// Those of lines at a distance \[nm\], where there is no other limit than theirs.
+    pub fn near(pitch: f64, open: &'a O) -> Self {
+        let limit = (LINK_LIMIT * pitch).min(LONGEST_LINK);
+        Self { border: limit, straight: limit, open }
+    }
+}
+
+/// Lines joined to a path.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    /// The region that it lies in.
+    pub region: usize,
+    /// At least two points \[nm\].
+    pub points: Vec<Point2>,
+    /// The crossings at its ends, or [`INSIDE`].
+    pub ends: [u32; 2],
 }
 
 /// A line on a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Line {
-    row: i32,
+pub struct Line {
+    /// The row.
+    pub row: i32,
     /// Where it starts and ends \[units\].
-    s: [i32; 2],
+    pub s: [i32; 2],
     /// The crossings at its ends, or [`INSIDE`].
-    hit: [u32; 2],
+    pub hit: [u32; 2],
 }
 
-/// Lays the lines of one layer in `area`, which lies inside the border.
-///
-/// Reports each path with its region, region by region.
-pub fn lay(border: &Border, area: &Rows, style: Style, mut found: impl FnMut(usize, FillPath)) {
+/// Joins the lines of one layer in `area`, which lies inside the border, and reports the chains no
+/// shorter than `least` \[nm\] region by region. Returns the stretches of border that links use, by the
+/// crossing from which they lead forwards on their ring.
+pub fn chains<O: Open>(
+    border: &Border,
+    area: &Rows,
+    least: f64,
+    links: Links<'_, O>,
+    mut found: impl FnMut(Chain),
+) -> Vec<u32> {
     let (lines, offset) = lines(border, area);
     if lines.is_empty() {
-        return;
+        return Vec::new();
     }
     let mut line_at = vec![INSIDE; border.trace.hits.len()];
     for (i, l) in lines.iter().enumerate() {
@@ -75,18 +101,23 @@ pub fn lay(border: &Border, area: &Rows, style: Style, mut found: impl FnMut(usi
         waiting,
         laid: vec![false; lines.len()],
         ready: Vec::new(),
-        limit: (LINK_LIMIT * style.pitch).min(LONGEST_LINK),
-        style,
+        links,
+        least,
         last: None,
         points: Vec::new(),
+        ends: [INSIDE; 2],
+        used: Vec::new(),
     };
-    for (r, rings) in border.regions.iter().enumerate() {
-        sweep.region(offset[r]..offset[r + 1], rings.clone(), |path| found(r, path));
+    for (region, rings) in border.regions.iter().enumerate() {
+        sweep.region(offset[region]..offset[region + 1], rings.clone(), |points, ends| {
+            found(Chain { region, points, ends });
+        });
     }
+    sweep.used
 }
 
 /// The lines of `area`, region by region, rows ascending; with each region's first line.
-fn lines(border: &Border, area: &Rows) -> (Vec<Line>, Vec<u32>) {
+pub fn lines(border: &Border, area: &Rows) -> (Vec<Line>, Vec<u32>) {
     let regions = border.regions.len();
     let own = &border.trace.rows;
     let mut found: Vec<(u32, Line)> = Vec::with_capacity(area.spans().len());
@@ -143,7 +174,7 @@ enum Link {
     Straight,
 }
 
-struct Sweep<'a> {
+struct Sweep<'a, O> {
     border: &'a Border<'a>,
     lines: &'a [Line],
     /// Per crossing the line that ends there.
@@ -154,17 +185,26 @@ struct Sweep<'a> {
     laid: Vec<bool>,
     /// Lines that may be laid next, the latest on top: it is the nearest.
     ready: Vec<u32>,
-    limit: f64,
-    style: Style,
+    links: Links<'a, O>,
+    /// Shorter paths are left out \[nm\].
+    least: f64,
     /// Where the last path ended.
     last: Option<Point2>,
-    /// The path in the making.
+    /// The path in the making, and the crossings at its ends.
     points: Vec<Point2>,
+    ends: [u32; 2],
+    /// The stretches of border used by links.
+    used: Vec<u32>,
 }
 
-impl<'a> Sweep<'a> {
+impl<'a, O: Open> Sweep<'a, O> {
     /// Lays all lines of a region.
-    fn region(&mut self, lines: Range<u32>, rings: Range<usize>, mut found: impl FnMut(FillPath)) {
+    fn region(
+        &mut self,
+        lines: Range<u32>,
+        rings: Range<usize>,
+        mut found: impl FnMut(Vec<Point2>, [u32; 2]),
+    ) {
         let border = self.border;
         let obstacles = LazyCell::new(|| Obstacles::new(border, rings));
         for source in lines {
@@ -177,9 +217,9 @@ impl<'a> Sweep<'a> {
                 }
                 self.climb(line, &obstacles);
                 let length = self.points.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
-                if length >= self.style.least {
+                if length >= self.least {
                     self.last = self.points.last().copied();
-                    found(FillPath { points: self.points.clone(), kind: self.style.kind, layers: 1 });
+                    found(self.points.clone(), self.ends);
                 }
             }
         }
@@ -199,16 +239,21 @@ impl<'a> Sweep<'a> {
         let mut points = std::mem::take(&mut self.points);
         points.clear();
         points.extend([self.end(first, 1 - leave), self.end(first, leave)]);
+        self.ends[0] = self.lines[first as usize].hit[1 - leave];
+        let mut last = first;
         while let Some((line, link)) = next {
             if let Link::Border(run) = link {
                 points.extend(self.border.vertices(run));
+                self.used.push(self.border.stretch(self.lines[last as usize].hit[leave], run));
             }
             self.lay(line);
+            last = line;
             points.push(self.end(line, leave));
             leave = 1 - leave;
             points.push(self.end(line, leave));
             next = self.link(line, leave, obstacles);
         }
+        self.ends[1] = self.lines[last as usize].hit[leave];
         points.dedup();
         self.points = points;
     }
@@ -238,15 +283,22 @@ impl<'a> Sweep<'a> {
         {
             let next = self.line_at[run.to as usize];
             if next != INSIDE && self.lines[next as usize].hit[end] == run.to {
-                let short = is_free(next) && self.border.is_short(from.hit[end], run, self.limit);
-                return short.then_some((next, Link::Border(run)));
+                let usable = is_free(next)
+                    && self.links.border > 0.0
+                    && self.border.is_short(from.hit[end], run, self.links.border)
+                    && self.border.is_open(from.hit[end], run, self.links.open);
+                return usable.then_some((next, Link::Border(run)));
             }
+        }
+        if self.links.straight <= 0.0 {
+            return None;
         }
         let frame = self.border.frame;
         let reach = |i: &u32| (i64::from(self.lines[*i as usize].s[end]) - i64::from(from.s[end])).abs();
         let next = self.above[line as usize].clone().filter(|&i| is_free(i)).min_by_key(reach)?;
         let to = self.lines[next as usize];
-        if from.hit[end] != INSIDE && to.hit[end] != INSIDE || reach(&next) > frame.units(self.limit) {
+        if from.hit[end] != INSIDE && to.hit[end] != INSIDE || reach(&next) > frame.units(self.links.straight)
+        {
             return None;
         }
         let edge = |id: u32| (id != INSIDE).then(|| self.border.hit(id)).map(|h| (h.ring, h.edge));

@@ -1,7 +1,7 @@
 //! The infill areas of a layer, flattened, and what their lines need to know of them.
 
 use super::border::Border;
-use super::onto::onto;
+use super::onto::{onto, outline};
 use crate::lattice::Point2;
 use crate::region::Island;
 use crate::span::{RowFrame, Rows, Trace, trace};
@@ -68,5 +68,11 @@ impl Compared<'_> {
     /// An area, a part of `own`, on other rows; `trace` holds the regions' crossings with these.
     pub fn onto(&self, area: &Rows, trace: &Trace, lines: &RowFrame) -> Rows {
         onto(area, self.own, self.frame, &trace.rows, lines)
+    }
+
+    /// The border of an area, a part of `own`, inside the regions: directed edges \[nm\] with the area on
+    /// their left, which run outside of the regions where these bound it.
+    pub fn outline(&self, area: &Rows) -> Vec<[Point2; 2]> {
+        outline(area, self.own, self.frame)
     }
 }

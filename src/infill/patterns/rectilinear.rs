@@ -1,21 +1,13 @@
-//! Parallel lines, linked where the border is short.
+//! Rectilinear: parallel lines, turned by 90 degrees from layer to layer, linked along the walls.
 //!
-//! Length of lines per area = density / spacing.
+//! Length of lines per area = density / spacing: they are spacing / density apart.
 
 use super::Sparse;
-use crate::infill::rectilinear::{self, Style};
-use crate::infill::{FillKind, FillPath};
+use super::straight::{Hold, lay as straight};
+use crate::infill::FillPath;
 
-/// Lays parallel lines in the plan's direction for the layer.
-pub fn lay(sparse: &Sparse, mut found: impl FnMut(usize, FillPath)) {
-    let (plan, i) = (sparse.plan, sparse.layer);
-    let lines = plan.line_frame(FillKind::Sparse, i);
-    let trace = sparse.compared.regions.trace(&lines);
-    let area = sparse.compared.onto(sparse.area, &trace, &lines);
-    let border = sparse.compared.regions.border(&trace, &lines);
-    let kind = FillKind::Sparse;
-    let style = Style { kind, pitch: plan.pitch(kind, i), least: plan.pitch(FillKind::Solid, i) };
-    rectilinear::lay(&border, &area, style, |region, path| {
-        found(region, FillPath { layers: sparse.layers, ..path })
-    });
+/// Lays the lines of one layer.
+pub fn lay(sparse: &Sparse, found: impl FnMut(usize, FillPath)) {
+    let spec = sparse.spec();
+    straight(sparse, spec.turned(), spec.pitch(1.0), Hold::Linked, found);
 }

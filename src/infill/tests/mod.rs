@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod patterns;
 mod shapes;
 mod skins;
 mod stays_inside;

@@ -9,7 +9,7 @@ use crate::settings::Settings;
 /// Thickness of the tests' layers \[nm\].
 pub const HEIGHT: i64 = 200_000;
 
-/// Settings with layers of [`HEIGHT`] and no line width of its own for the first layer.
+/// Settings with layers of [`HEIGHT`], no line width of its own for the first layer and no growth of skins.
 pub fn settings() -> Settings {
     let mut s = Settings::default();
     s.slicing.layer_height = HEIGHT as f64 * 1e-6;
@@ -17,6 +17,7 @@ pub fn settings() -> Settings {
     s.widths.first_layer_extrusion_width = crate::settings::FloatOrPercent::Float(0.0);
     s.widths.extrusion_width = crate::settings::FloatOrPercent::Float(0.45);
     s.infill.solid_infill_below_area = 0.0;
+    s.infill.external_infill_margin = 0.0;
     s
 }
 

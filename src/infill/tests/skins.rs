@@ -2,32 +2,44 @@
 
 use super::shapes::*;
 use crate::infill::FillPlan;
-use crate::infill::skin::{Areas, Level, divide};
+use crate::infill::skin::{Areas, Level, Skins, Stack};
 use crate::region::Island;
 use crate::span::algebra::or;
-use crate::span::{Rows, scan};
+use crate::span::{RowFrame, Rows, scan};
 use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Sparse, solid and top infill of every layer on the rows of `frame`; skins over air count as solid.
+fn all_areas(layers: &[Vec<Island>], plan: &FillPlan, frame: &RowFrame) -> Vec<[Rows; 3]> {
+    let outline =
+        |l: &Vec<Island>| Arc::new(scan(l.iter().flat_map(|i| i.outline.rings()).map(|r| &r[..]), frame));
+    let infill = |l: &Vec<Island>| {
+        Arc::new(scan(l.iter().flat_map(|i| &i.infill).flat_map(|e| e.rings()).map(|r| &r[..]), frame))
+    };
+    let outlines: Vec<_> = layers.iter().map(outline).collect();
+    let own: Vec<_> = layers.iter().map(infill).collect();
+    let levels: Vec<Level> =
+        stack(layers).iter().map(|l| Level { top: l.print_z, bottom: l.print_z - l.height }).collect();
+    let stack = Stack { outlines: &outlines, own: &own, levels: &levels, frame, plan };
+    let skins: Vec<Skins> = (0..layers.len()).map(|i| stack.skins(i)).collect();
+    let parts = |i: usize| {
+        let Areas { sparse, solid, top, bottom } = stack.divide(i, &skins);
+        let solid = or(&solid, &bottom);
+        assert_eq!(sparse.length() + solid.length() + top.length(), own[i].length());
+        [sparse, solid, top]
+    };
+    (0..layers.len()).map(parts).collect()
+}
 
 /// Areas of sparse, solid and top infill of layer `i` \[mm²\].
 fn areas(layers: &[Vec<Island>], i: usize, plan: &FillPlan) -> [f64; 3] {
     let frame = plan.area_frame();
-    let outlines: Vec<Rows> = layers
-        .iter()
-        .map(|l| scan(l.iter().flat_map(|i| i.outline.rings()).map(|r| &r[..]), &frame))
-        .collect();
-    let levels: Vec<Level> =
-        stack(layers).iter().map(|l| Level { top: l.print_z, bottom: l.print_z - l.height }).collect();
-    let own = scan(layers[i].iter().flat_map(|i| &i.infill).flat_map(|e| e.rings()).map(|r| &r[..]), &frame);
-    let Areas { sparse, solid, top, bottom } =
-        divide(i, &own, &outlines.iter().collect::<Vec<_>>(), &levels, &frame, plan);
-    let solid = or(&solid, &bottom);
-    assert_eq!(sparse.length() + solid.length() + top.length(), own.length());
-    [sparse, solid, top].map(|r| r.length() as f64 * frame.mm2_per_unit())
+    all_areas(layers, plan, &frame).swap_remove(i).map(|r| r.length() as f64 * frame.mm2_per_unit())
 }
 
-/// Asserts areas up to the anchor: at most 0.9 mm wide along an edge of the given length \[mm\].
+/// Asserts areas up to what skins are grown by: at most 1.6 mm along an edge of the given length \[mm\].
 fn expect(found: [f64; 3], solid: f64, top: f64, edge: f64, what: &str) {
-    let slack = 0.9 * edge + 0.01 * (solid + top);
+    let slack = 1.6 * edge + 0.01 * (solid + top);
     for (name, found, expected) in [("top", found[2], top), ("skin", found[1] + found[2], solid + top)] {
         let low = if expected == 0.0 { 0.0 } else { expected - 0.01 * (solid + top) };
         let high = if expected == 0.0 { 0.0 } else { expected + slack };
@@ -35,8 +47,9 @@ fn expect(found: [f64; 3], solid: f64, top: f64, edge: f64, what: &str) {
     }
 }
 
+/// A plan without growth into the part.
 fn plan() -> FillPlan {
-    FillPlan::new(&settings())
+    FillPlan { margin: 0.0, ..FillPlan::new(&settings()) }
 }
 
 fn boxes(sides: &[f64]) -> Vec<Vec<Island>> {
@@ -139,18 +152,18 @@ fn crumbs_vanish_and_patches_beside_a_wall_stay() {
     assert_eq!(floor(square(0.0, 0.0, 0.3)), 0.0);
     assert!(floor(square(0.0, 0.0, 5.0)) > 24.0);
     // The same narrow strip is a crumb inside and a skin beside the border.
-    let strip = |x: f64| vec![at(x, -9.0), at(x + 0.5, -9.0), at(x + 0.5, 9.0), at(x, 9.0)];
+    let strip = |x: f64| vec![at(x, -9.0), at(x + 0.06, -9.0), at(x + 0.06, 9.0), at(x, 9.0)];
     assert_eq!(floor(strip(0.0)), 0.0);
     let mut cut = settings();
     cut.infill.fill_angle = 90.0;
     let narrower: Vec<_> = (0..20)
         .map(|i| {
-            let x = if i < 10 { 9.3 } else { 10.0 };
+            let x = if i < 10 { 9.94 } else { 10.0 };
             vec![island(vec![at(-10.0, -10.0), at(x, -10.0), at(x, 10.0), at(-10.0, 10.0)], vec![])]
         })
         .collect();
     let [_, solid, _] = areas(&narrower, 10, &plan());
-    assert!(solid > 0.7 * 20.0, "{solid}");
+    assert!(solid > 1.3 * 20.0, "{solid}");
 }
 
 #[test]

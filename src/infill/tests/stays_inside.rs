@@ -19,14 +19,14 @@ fn star(random: &mut Random, x: f64, y: f64, radius: f64) -> Vec<Point2> {
 }
 
 /// Holes lie within the outer ring's smallest radius and apart from each other.
-fn random_island(random: &mut Random) -> Island {
+pub fn random_island(random: &mut Random) -> Island {
     let holes = (0..random.below(5)).map(|i| star(random, 2.0 * i as f64 - 4.0, -1.0, 0.95)).collect();
     let radius = 16.0 + random.below(10) as f64;
     island(star(random, 0.0, 0.0, radius), holes)
 }
 
 /// How far a point is outside an area \[nm\]; 0 inside.
-fn outside(p: Point2, rings: &[Vec<Point2>]) -> f64 {
+pub fn outside(p: Point2, rings: &[Vec<Point2>]) -> f64 {
     let mut winding = 0;
     let mut nearest = f64::INFINITY;
     for ring in rings {
@@ -50,7 +50,7 @@ fn outside(p: Point2, rings: &[Vec<Point2>]) -> f64 {
 }
 
 /// The farthest that any of 8 points on every segment is outside \[nm\].
-fn worst(paths: &[FillPath], island: &Island) -> f64 {
+pub fn worst(paths: &[FillPath], island: &Island) -> f64 {
     let rings: Vec<Vec<Point2>> = island.infill.iter().flat_map(|e| e.rings().cloned()).collect();
     let mut worst = 0.0f64;
     for w in paths.iter().flat_map(|p| p.points.windows(2)) {

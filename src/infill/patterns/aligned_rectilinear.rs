@@ -1,0 +1,13 @@
+//! Aligned rectilinear: parallel lines of one direction on all layers, linked along the walls.
+//!
+//! Length of lines per area = density / spacing: they are spacing / density apart.
+
+use super::Sparse;
+use super::straight::{Hold, lay as straight};
+use crate::infill::FillPath;
+
+/// Lays the lines of one layer.
+pub fn lay(sparse: &Sparse, found: impl FnMut(usize, FillPath)) {
+    let spec = sparse.spec();
+    straight(sparse, spec.angle, spec.pitch(1.0), Hold::Linked, found);
+}
