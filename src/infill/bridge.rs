@@ -21,6 +21,8 @@ use direction::Measure;
 
 /// Smaller patches are left to the walls around them \[mm²\].
 const LEAST: f64 = 0.5;
+/// Patches less than twice this apart are one bridge, and it reaches this far beyond them \[nm\].
+const NEAR: f64 = 850_000.0;
 /// Smaller or narrower patches over sparse infill are laid as any other solid infill \[mm², nm\].
 const LEAST_OVER_SPARSE: (f64, f64) = (6.0, 2.4e6);
 /// A rest of a skin smaller than this beside a bridge becomes part of it \[mm²\].
@@ -86,16 +88,19 @@ pub fn over_air(
     if air.is_empty() {
         return Vec::new();
     }
-    let patches = parts(&air, grid.length(LEAST));
+    let pitch = grid.frame.pitch();
+    let near = grid.frame.units(NEAR);
+    let grown = dilate(&air, (near / pitch).clamp(1, 100) as u32, length(near));
+    let patches = parts(&grown, &air, grid.length(LEAST));
     let mut found: Vec<Bridge> = Vec::with_capacity(patches.len());
-    for patch in &patches {
+    for (wider, patch) in &patches {
         let measured = || Measure::new(patch, below, grid).best();
         let degrees = plan.degrees.or_else(measured).unwrap_or(usual).rem_euclid(180.0);
-        // A line more at either side rests on what is there.
-        let wider = and(&dilate(patch, 1, length(grid.frame.pitch())), own);
-        let mut rows = grow::along(&wider, own, grid.frame, degrees - grid.degrees, plan.anchor);
+        let wider = or(&and(wider, own), patch);
+        let rest = plan.anchor - NEAR;
+        let mut rows = grow::along(&wider, own, grid.frame, degrees - grid.degrees, rest);
         // Every patch belongs to its own bridge, and where anchors meet, the first has them.
-        for (i, other) in patches.iter().enumerate() {
+        for (i, (_, other)) in patches.iter().enumerate() {
             let taken = found.get(i).map_or(other, |bridge| &bridge.rows);
             if i != found.len() && meet(&rows, taken) {
                 rows = sub(&rows, taken);
@@ -109,7 +114,7 @@ pub fn over_air(
             break;
         }
         if meet(&bridge.rows, &crumbs) {
-            let near = dilate(&bridge.rows, 1, length(grid.frame.pitch()));
+            let near = dilate(&bridge.rows, 1, length(pitch));
             let taken = and(&crumbs, &near);
             crumbs = sub(&crumbs, &taken);
             bridge.rows = or(&bridge.rows, &taken);
@@ -139,7 +144,7 @@ pub fn over_sparse(
     }
     let wide = grow::open(&over, across as u32, length(shrink));
     let mut rows = Rows::default();
-    for patch in parts(&wide, grid.length(area)) {
+    for (patch, _) in parts(&wide, &wide, grid.length(area)) {
         let grown = grow::along(&patch, solid, grid.frame, degrees - grid.degrees, plan.anchor);
         rows = or(&rows, &grown);
     }
@@ -150,6 +155,9 @@ pub fn over_sparse(
 /// many of each: where the sines of the angles in between have the greatest sum. `usual` where it is one of
 /// those directions, or there are no lines.
 pub fn across(lines: &[f64], usual: f64) -> f64 {
+    if let [line] = lines {
+        return (line + 90.0).rem_euclid(180.0);
+    }
     let crossed = |degrees: f64| {
         let sine = |line: &f64| libm::sin((degrees - line).to_radians()).abs();
         lines.iter().map(sine).sum::<f64>()
@@ -160,6 +168,19 @@ pub fn across(lines: &[f64], usual: f64) -> f64 {
     let best = |d: &f64| crossed(*d) >= most - 1e-6;
     let all = (0..180).map(f64::from).filter(best);
     [usual].into_iter().filter(best).chain(all).next().unwrap_or(usual).rem_euclid(180.0)
+}
+
+/// Bridges of the same direction as one, in the order of the first of each.
+pub fn by_direction(bridges: Vec<Bridge>) -> Vec<Bridge> {
+    let mut sorted: Vec<(usize, Bridge)> = Vec::with_capacity(bridges.len());
+    for bridge in bridges {
+        let first = sorted.iter().find(|(_, b)| b.degrees == bridge.degrees).map(|(first, _)| *first);
+        sorted.push((first.unwrap_or(sorted.len()), bridge));
+    }
+    sorted.sort_by_key(|(first, _)| *first);
+    let bridges: Vec<Bridge> = sorted.into_iter().map(|(_, bridge)| bridge).collect();
+    let like = |a: &Bridge, b: &Bridge| a.degrees == b.degrees;
+    bridges.chunk_by(like).map(|same| Bridge { rows: union(same), degrees: same[0].degrees }).collect()
 }
 
 /// All bridges' rows.
@@ -202,8 +223,9 @@ fn hull(a: Span, b: Span) -> Span {
     Span { start: a.start.min(b.start), end: a.end.max(b.end) }
 }
 
-/// The connected parts of an area, of at least a total length \[units\].
-fn parts(area: &Rows, least: i64) -> Vec<Rows> {
+/// The connected parts of an area, each with what it holds of another one, if that has at least a total
+/// length \[units\].
+fn parts(area: &Rows, other: &Rows, least: i64) -> Vec<(Rows, Rows)> {
     let part = label(area);
     let count = part.iter().max().map_or(0, |&m| m as usize + 1);
     let mut built: Vec<Option<(i32, RowsBuilder)>> = Vec::new();
@@ -221,9 +243,11 @@ fn parts(area: &Rows, least: i64) -> Vec<Rows> {
     }
     let one = |(_, mut out): (i32, RowsBuilder)| {
         out.end_row();
-        out.finish()
+        let part = out.finish();
+        let held = and(other, &part);
+        (held.length() >= least).then_some((part, held))
     };
-    built.into_iter().flatten().map(one).filter(|p| p.length() >= least).collect()
+    built.into_iter().flatten().filter_map(one).collect()
 }
 
 fn length(units: i64) -> i32 {

@@ -1,7 +1,7 @@
 //! All layers: regions on rows, areas by kind, lines.
 
 use super::anchor::Everywhere;
-use super::bridge::{Bridge, Grid, over_air, over_sparse, union};
+use super::bridge::{Bridge, Grid, by_direction, over_air, over_sparse, union};
 use super::combine::{Thick, combine};
 use super::patterns::{self, Sparse};
 use super::rectilinear::{Chain, Links, chains};
@@ -133,7 +133,14 @@ fn bridges(
             }
             let below = i.checked_sub(1).and_then(|b| outlines.get(b));
             let found = below.zip(plan.bridges).map_or_else(Vec::new, |(below, rules)| {
-                over_air(&own[i], &bottom, below, grid, plan.degrees(FillKind::Solid, i), &rules)
+                by_direction(over_air(
+                    &own[i],
+                    &bottom,
+                    below,
+                    grid,
+                    plan.degrees(FillKind::Solid, i),
+                    &rules,
+                ))
             });
             areas.solid = or(&areas.solid, &bottom);
             if !found.is_empty() {

@@ -45,6 +45,8 @@ pub struct FillPlan {
     pub solid_below_area: f64,
     /// Every N-th layer is solid; 0 = never.
     pub solid_every: u32,
+    /// How to bridge; without it skins over air are laid like any others, as on supports.
+    pub bridges: Option<BridgePlan>,
     /// What is done to keep the shell's thickness on slopes.
     pub vertical_shell: VerticalShell,
     /// Sparse areas that as many layers have in common are printed on the topmost of them; 1 = none.
@@ -53,8 +55,6 @@ pub struct FillPlan {
     pub thickest: i64,
     /// How far skins that are exposed to air reach into the part \[nm\].
     pub margin: f64,
-    /// How to bridge; without it skins over air are laid like any others, as on supports.
-    pub bridges: Option<BridgePlan>,
 }
 
 impl FillPlan {
@@ -95,11 +95,11 @@ impl FillPlan {
             bottom_thickness: nm(i.bottom_solid_min_thickness),
             solid_below_area: i.solid_infill_below_area,
             solid_every: i.solid_infill_every_layers,
+            bridges: Some(BridgePlan::new(settings)),
             vertical_shell: i.ensure_vertical_shell_thickness,
             combine: i.infill_every_layers.max(1),
             thickest: nm(settings.printer.nozzle_diameter),
             margin: nm(i.external_infill_margin) as f64,
-            bridges: Some(BridgePlan::new(settings)),
         }
     }
 
@@ -132,16 +132,17 @@ impl FillPlan {
 
     /// The direction \[degrees\] that crosses the sparse lines of layer `i` best.
     pub(super) fn across_sparse(&self, i: usize) -> f64 {
+        let i = i / self.combine.max(1) as usize;
         let own = self.degrees(FillKind::Sparse, i);
-        let lines: &[f64] = match self.pattern {
-            FillPattern::Grid => &[0.0, 90.0],
-            FillPattern::Triangles | FillPattern::Stars | FillPattern::Cubic => &[0.0, 60.0, 120.0],
-            // One of its three directions is that of the double walls.
-            FillPattern::Honeycomb => &[0.0, 60.0, 120.0],
-            _ => &[0.0],
-        };
-        let lines: Vec<f64> = lines.iter().map(|d| own + d).collect();
-        across(&lines, own + 90.0)
+        match self.pattern {
+            FillPattern::Grid => across(&[0.0, 90.0].map(|d| self.angle + d), own),
+            FillPattern::Triangles | FillPattern::Stars | FillPattern::Cubic => {
+                across(&[0.0, 60.0, 120.0].map(|d| self.angle + d), own + 90.0)
+            }
+            // Across the strands.
+            FillPattern::Honeycomb => across(&[self.angle + 60.0 * (i % 3) as f64], own + 90.0),
+            _ => across(&[own], own + 90.0),
+        }
     }
 
     /// The rows on which the lines of a bridge lie on layer `i`.

@@ -209,7 +209,7 @@ fn a_table_stands_on_its_legs() {
 fn an_l_and_a_ring_are_whole() {
     let l = vec![(0.0, 0.0), (30.0, 0.0), (30.0, 8.0), (8.0, 8.0), (8.0, 30.0), (0.0, 30.0)];
     let below =
-        [rectangle(0.0, 0.0, 9.0, 9.0), rectangle(25.0, 0.0, 5.0, 8.0), rectangle(0.0, 25.0, 8.0, 5.0)];
+        [rectangle(0.0, 0.0, 12.0, 12.0), rectangle(25.0, 0.0, 5.0, 8.0), rectangle(0.0, 25.0, 8.0, 5.0)];
     let case = Case::new(&[l], &below, 15.0, 45.0);
     let found = case.bridges();
     // Two spans of their own directions.
@@ -240,10 +240,17 @@ fn crumbs_are_left_to_the_walls() {
 fn neighbours_share_what_is_between_them() {
     let own = [rectangle(0.0, 0.0, 40.0, 20.0)];
     let hole = |x: f64| reversed(rectangle(x, 5.0, 8.0, 10.0));
-    let case = Case::new(&own, &[own[0].clone(), hole(5.0), hole(15.0), hole(25.0)], 10.0, 45.0);
-    let found = case.bridges();
-    assert_eq!(found.len(), 3);
-    assert!(sub(&case.air(), &union(&found)).is_empty());
+    let apart = |gap: f64| {
+        let below = [own[0].clone(), hole(5.0), hole(13.0 + gap), hole(21.0 + 2.0 * gap)];
+        let case = Case::new(&own, &below, 10.0, 45.0);
+        let found = case.bridges();
+        assert!(sub(&case.air(), &union(&found)).is_empty());
+        let merged = by_direction(found.clone());
+        assert_eq!(union(&merged), union(&found));
+        (found.len(), merged.len())
+    };
+    assert_eq!(apart(4.0), (3, 1));
+    assert_eq!(apart(1.0), (1, 1));
 }
 
 #[test]
@@ -299,7 +306,7 @@ fn scores_equal_a_search_point_by_point() {
         let frame = frame(0.0);
         let grid = Grid { frame: &frame, degrees: 0.0 };
         let air = case.air();
-        let Some(patch) = parts(&air, 0).into_iter().max_by_key(Rows::length) else {
+        let Some((patch, _)) = parts(&air, &air, 0).into_iter().max_by_key(|p| p.0.length()) else {
             continue;
         };
         let measure = Measure::new(&patch, &case.below, grid);
