@@ -145,7 +145,9 @@ fn cases(first: u64, count: u64) {
 fn model(path: &str) {
     let mut settings = Settings::default();
     settings.slicing.layer_height = 0.2;
-    let mesh = mesh::load(path.as_ref()).unwrap().mesh;
+    let mut mesh = mesh::load(path.as_ref()).unwrap().mesh;
+    // It stands on the bed.
+    mesh.origin[2] -= mesh.world_bounds().unwrap()[0][2];
     let adjacency = Adjacency::build(&mesh);
     let layers = planes::of_mesh(&mesh, &settings).unwrap();
     let heights = planes::plane_zs(&layers, mesh.origin[2]);
