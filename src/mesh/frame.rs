@@ -101,14 +101,14 @@ impl Bounds {
             return Err(find(soup, |v, _| !near(v), None));
         }
         let mut origin = [0; 3];
-        for axis in 0..3 {
+        for (axis, origin) in origin.iter_mut().enumerate() {
             let lanes = |all: &[f32; LANES], pick: fn(f32, f32) -> f32, none: f32| {
                 all.iter().skip(axis).step_by(3).fold(none, |a, &b| pick(a, b))
             };
             let (lo, hi) = (lanes(&self.lo, f32::min, f32::MAX), lanes(&self.hi, f32::max, f32::MIN));
             let (low, high) = (nm_from_f32(lo), nm_from_f32(hi));
-            origin[axis] = low + (high - low) / 2;
-            if high - origin[axis] >= i64::from(LIMIT) || origin[axis] - low >= i64::from(LIMIT) {
+            *origin = low + (high - low) / 2;
+            if high - *origin >= i64::from(LIMIT) || *origin - low >= i64::from(LIMIT) {
                 let extreme = if hi > -lo { hi } else { lo };
                 let extent = (high - low) as f64 / NM_PER_MM;
                 return Err(find(soup, |v, a| a == axis && v == extreme, Some(extent)));
