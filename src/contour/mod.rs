@@ -17,7 +17,7 @@ mod surface;
 pub mod trace;
 pub mod walk;
 
-pub use trace::{LayerContours, TraceError, TraceOptions, Walked, trace};
+pub use trace::{LayerContours, Prepared, TraceError, TraceOptions, Walked, trace};
 pub use walk::{contours_of, count_cycles};
 
 use crate::lattice::Point2;

@@ -58,7 +58,7 @@ fn traced(
     route: Route,
     parts: usize,
 ) -> Vec<LayerContours> {
-    let spans = spans::spans(mesh, planes, 1).unwrap();
+    let (spans, _) = spans::spans(mesh, planes, 1).unwrap();
     let step = planes.len().div_ceil(parts).max(1);
     let runs: Vec<_> =
         (0..planes.len()).step_by(step).map(|from| from..planes.len().min(from + step)).collect();

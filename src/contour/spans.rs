@@ -21,18 +21,27 @@ impl Span {
     }
 }
 
-/// The planes that each triangle meets, for those that meet any, in blocks of consecutive triangles.
-pub(super) fn spans(mesh: &Mesh, planes: &[i32], threads: usize) -> Result<Vec<Vec<Span>>, TraceError> {
+/// The planes that each triangle meets, for those that meet any, in blocks of consecutive triangles; and the
+/// number of segments on each plane.
+pub(super) fn spans(
+    mesh: &Mesh,
+    planes: &[i32],
+    threads: usize,
+) -> Result<(Vec<Vec<Span>>, Vec<u64>), TraceError> {
     // How many planes lie at or below each vertex: half the searches that triangles would need.
     let search = PlaneSearch::new(planes);
     let level: Vec<u32> =
         mesh.vertices.par_iter().with_min_len(1 << 12).map(|v| search.at_or_below(v.z)).collect();
-    let block = (mesh.triangles.len() / (4 * threads)).max(1 << 14);
-    mesh.triangles
+    // Every task counts all planes: no more tasks than pay for that.
+    let block = (mesh.triangles.len() / (4 * threads)).max(1 << 14).max(planes.len());
+    let blocks: Result<Vec<Block>, TraceError> = mesh
+        .triangles
         .par_chunks(block)
         .enumerate()
         .map(|(b, triangles)| {
-            let mut spans = Vec::new();
+            let mut step = vec![0i64; planes.len() + 1];
+            // Memory that is not written to is not there.
+            let mut spans = Vec::with_capacity(triangles.len());
             for (t, corners) in (b * block..).zip(triangles) {
                 let [a, b, c] = *corners;
                 let get = |v: u32| level.get(v as usize).copied();
@@ -41,34 +50,31 @@ pub(super) fn spans(mesh: &Mesh, planes: &[i32], threads: usize) -> Result<Vec<V
                 };
                 let (first, end) = (a.min(b).min(c), a.max(b).max(c));
                 if first < end {
+                    step[first as usize] += 1;
+                    step[end as usize] -= 1;
                     spans.push(Span { triangle: t as u32, first, end });
                 }
             }
-            Ok(spans)
+            Ok((spans, step))
         })
-        .collect()
+        .collect();
+    let (spans, steps): (Vec<_>, Vec<_>) = blocks?.into_iter().unzip();
+    let mut now = 0;
+    let per_plane = (0..planes.len())
+        .map(|k| {
+            now += steps.iter().map(|step| step[k]).sum::<i64>();
+            now as u64
+        })
+        .collect();
+    Ok((spans, per_plane))
 }
+
+/// The spans of some triangles, and per plane how many begin less how many end there.
+type Block = (Vec<Span>, Vec<i64>);
 
 fn missing_vertex(triangle: usize, corners: [u32; 3], vertices: usize) -> TraceError {
     let vertex = corners[0].max(corners[1]).max(corners[2]);
     TraceError::Vertex { triangle, vertex, vertices }
-}
-
-/// Number of segments on each plane.
-pub(super) fn per_plane(spans: &[Vec<Span>], planes: usize) -> Vec<u64> {
-    let mut step = vec![0i64; planes + 1];
-    for span in spans.iter().flatten() {
-        step[span.first as usize] += 1;
-        step[span.end as usize] -= 1;
-    }
-    let mut now = 0;
-    step[..planes]
-        .iter()
-        .map(|d| {
-            now += d;
-            now as u64
-        })
-        .collect()
 }
 
 /// Runs of planes of about equal work, several per thread.

@@ -118,13 +118,39 @@ pub fn trace(
     planes: &[i32],
     options: &TraceOptions,
 ) -> Result<Vec<LayerContours>, TraceError> {
-    check(mesh, adjacency, planes)?;
-    let threads = rayon::current_num_threads();
-    let spans = spans::spans(mesh, planes, threads)?;
-    let per_plane = spans::per_plane(&spans, planes.len());
-    let route = Route::of(spans.iter().map(Vec::len).sum(), per_plane.iter().sum());
-    let runs = spans::runs(&per_plane, threads, route.segment_bytes(), options.memory_budget);
-    Ok(trace_runs(mesh, adjacency, planes, options, spans, &runs, route))
+    Ok(Prepared::new(mesh, adjacency, planes)?.trace(options))
+}
+
+/// A mesh and planes of which is known which triangles meet which planes.
+#[derive(Debug)]
+pub struct Prepared<'a> {
+    mesh: &'a Mesh,
+    adjacency: &'a Adjacency,
+    planes: &'a [i32],
+    spans: Vec<Vec<Span>>,
+    /// Number of segments on each plane.
+    pub per_plane: Vec<u64>,
+}
+
+impl<'a> Prepared<'a> {
+    /// For `planes` \[nm\], mesh frame, ascending.
+    ///
+    /// # Errors
+    /// [`TraceError`] when mesh, adjacency and planes do not fit together.
+    pub fn new(mesh: &'a Mesh, adjacency: &'a Adjacency, planes: &'a [i32]) -> Result<Self, TraceError> {
+        check(mesh, adjacency, planes)?;
+        let (spans, per_plane) = spans::spans(mesh, planes, rayon::current_num_threads())?;
+        Ok(Self { mesh, adjacency, planes, spans, per_plane })
+    }
+
+    /// [`trace`].
+    pub fn trace(self, options: &TraceOptions) -> Vec<LayerContours> {
+        let Self { mesh, adjacency, planes, spans, per_plane } = self;
+        let threads = rayon::current_num_threads();
+        let route = Route::of(spans.iter().map(Vec::len).sum(), per_plane.iter().sum());
+        let runs = spans::runs(&per_plane, threads, route.segment_bytes(), options.memory_budget);
+        trace_runs(mesh, adjacency, planes, options, spans, &runs, route)
+    }
 }
 
 /// The ways from a run of planes to its contours. They give the same points.

@@ -3,13 +3,15 @@
 use super::JobError;
 use super::memory;
 use super::summary::BackendSummary;
+use crate::contour;
 use crate::contour::{LayerContours, TraceOptions};
 #[cfg(feature = "gpu")]
 use crate::gpu::{self, Device, GpuError};
 use crate::mesh::{Adjacency, Mesh};
 #[cfg(feature = "gpu")]
+use crate::slice;
+#[cfg(feature = "gpu")]
 use crate::slice::gpu::GpuSlicer;
-use crate::{contour, slice};
 #[cfg(feature = "gpu")]
 use std::ops::Range;
 
@@ -82,21 +84,21 @@ pub fn contours(
     wish: &BackendOptions,
     options: &TraceOptions,
 ) -> Result<Traced, JobError> {
-    let per_plane = slice::chunk::segments_per_plane(mesh, planes);
-    let segments = per_plane.iter().sum();
+    let prepared = contour::Prepared::new(mesh, adjacency, planes)?;
+    let segments = prepared.per_plane.iter().sum();
     let budget = wish.memory.unwrap_or_else(memory::default_budget);
     let options = &TraceOptions { memory_budget: budget, ..options.clone() };
-    let cpu = |reason: &str| {
-        let layers = contour::trace(mesh, adjacency, planes, options)?;
+    let cpu = |prepared: contour::Prepared<'_>, reason: &str| {
+        let layers = prepared.trace(options);
         Ok(Traced { layers, segments, backend: summary("cpu", None, reason), warning: None })
     };
     if wish.backend == Backend::Cpu {
-        return cpu("--backend cpu");
+        return cpu(prepared, "--backend cpu");
     }
     #[cfg(not(feature = "gpu"))]
     return match wish.backend {
         Backend::Gpu => Err(JobError::NoGpuSupport),
-        _ => cpu("built without GPU support"),
+        _ => cpu(prepared, "built without GPU support"),
     };
     #[cfg(feature = "gpu")]
     {
@@ -105,8 +107,10 @@ pub fn contours(
             && wish.adapter.is_none()
             && !slice::gpu::repays_startup(mesh.triangles.len() as u64, segments)
         {
-            return cpu("the work does not repay a GPU's start-up");
+            return cpu(prepared, "the work does not repay a GPU's start-up");
         }
+        // The device lists triangles by itself.
+        let per_plane = prepared.per_plane;
         let mut done = Done::default();
         let failure = on_gpu(mesh, adjacency, planes, &per_plane, wish, options, &mut done).err();
         let reason = if wish.adapter.is_some() { "named with --adapter" } else { "the best hardware GPU" };
@@ -118,7 +122,7 @@ pub fn contours(
             return Err(failure.into());
         }
         if matches!(failure, GpuError::NoHardware { .. }) {
-            return cpu("no hardware GPU was found");
+            return cpu(contour::Prepared::new(mesh, adjacency, planes)?, "no hardware GPU was found");
         }
         // What the device has delivered stays; the planes in hand and those after them are the CPU's.
         let from = done.layers.len().min(planes.len());

@@ -5,24 +5,21 @@
 //! both sides of an edge compute the same crossing points; this one does not depend on the machine.
 //!
 //! The half-edges that still wait for a partner hang in short lists at one endpoint of their edge: the
-//! one that fewer triangles touch, so that the hub of a fan keeps no list. A mesh on which the lists
-//! grow long all the same (thousands of triangles on one edge) is sorted instead: the same pairs.
+//! one with the higher id, which a file has named last and will soon name again. Should the lists grow
+//! long (the hub of a fan in wild order), it is the endpoint that fewer triangles touch; and should they
+//! grow long all the same (thousands of triangles on one edge), the mesh is sorted instead: the same pairs.
 //!
 //! With several threads the triangles are cut into contiguous blocks. An edge with an endpoint that
-//! only one block touches has all its half-edges there, so that block pairs them alone; the edges
-//! between vertices of several blocks follow in a pass of their own.
+//! only one block touches has all its half-edges there, so that block pairs them alone and keeps its list
+//! at that endpoint; the edges between vertices of several blocks follow in a pass of their own.
 
 use super::blocks::blocks;
 use super::{Adjacency, Mesh, OPEN};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU8, AtomicU32, Ordering::Relaxed};
 
-/// Marks the degree of a vertex that several blocks touch. It also makes the degree large, so that the
-/// owner of an edge has the mark only where both endpoints have it. A degree itself is below: each
-/// triangle counts once, and there are fewer than 2^31.
-const SHARED: u32 = 1 << 31;
-
-/// Vertices of one task while the blocks' degrees are added; any value gives the same result.
-const RUN: usize = 1 << 14;
+/// List steps per half-edge, on average, after which the lists go to the endpoints with fewer triangles.
+const HASTE: usize = 8;
 
 /// List steps per half-edge, on average, after which sorting is the better way.
 const PATIENCE: usize = 16;
@@ -30,9 +27,61 @@ const PATIENCE: usize = 16;
 impl Adjacency {
     /// Pairs the half-edges of a mesh. The triangles' vertex ids must be below the number of vertices.
     pub fn build(mesh: &Mesh) -> Self {
-        let twin = pair_by_lists(mesh, PATIENCE, blocks(mesh.triangles.len()));
-        let twin = twin.unwrap_or_else(|| pair_by_sorting(mesh));
+        let blocks = Blocks::new(mesh, blocks(mesh.triangles.len()));
+        let twin = pair_by_lists(mesh, HASTE, &blocks, |_| 0)
+            .or_else(|| {
+                let degree = degrees(mesh);
+                pair_by_lists(mesh, PATIENCE, &blocks, |v| degree[v as usize])
+            })
+            .unwrap_or_else(|| pair_by_sorting(mesh));
         Self { twin }
+    }
+}
+
+/// How the triangles are cut into blocks.
+struct Blocks {
+    /// Triangles of a block.
+    size: usize,
+    /// Per vertex a bit for each block that touches it; empty for a single block.
+    touched: Vec<AtomicU8>,
+}
+
+impl Blocks {
+    /// At most eight.
+    fn new(mesh: &Mesh, count: usize) -> Self {
+        let triangles = &mesh.triangles;
+        let (size, one) = (triangles.len().div_ceil(count).max(1), triangles.len().max(1));
+        if size == one {
+            return Self { size: one, touched: Vec::new() };
+        }
+        let touched: Vec<AtomicU8> = mesh.vertices.iter().map(|_| AtomicU8::new(0)).collect();
+        triangles.par_chunks(size).enumerate().for_each(|(k, triangles)| {
+            for &v in triangles.as_flattened() {
+                let bits = &touched[v as usize];
+                if bits.load(Relaxed) >> k & 1 == 0 {
+                    bits.fetch_or(1 << k, Relaxed);
+                }
+            }
+        });
+        let blocks = Self { size, touched };
+        // In no order that would leave the blocks much to do?
+        if blocks.shared() > mesh.vertices.len() / 8 {
+            return Self { size: one, touched: Vec::new() };
+        }
+        blocks
+    }
+
+    /// Vertices that several blocks touch.
+    fn shared(&self) -> usize {
+        (0..self.touched.len() as u32).filter(|&v| self.is_shared(v)).count()
+    }
+
+    #[inline(always)]
+    fn is_shared(&self, vertex: u32) -> bool {
+        self.touched.get(vertex as usize).is_some_and(|bits| {
+            let bits = bits.load(Relaxed);
+            bits & bits.wrapping_sub(1) != 0
+        })
     }
 }
 
@@ -49,29 +98,30 @@ struct Waiting {
     next: u32,
 }
 
-/// `None` when the lists take more than `patience` steps per half-edge.
-fn pair_by_lists(mesh: &Mesh, patience: usize, count: usize) -> Option<Vec<u32>> {
+/// Of the two endpoints that may keep an edge's list, the one of less `weight` does. `None` when the lists
+/// take more than `patience` steps per half-edge.
+fn pair_by_lists(
+    mesh: &Mesh,
+    patience: usize,
+    blocks: &Blocks,
+    weight: impl Fn(u32) -> u32 + Sync,
+) -> Option<Vec<u32>> {
     let triangles = &mesh.triangles;
-    let mut size = triangles.len().div_ceil(count).max(1);
-    let (mut degree, shared) = degrees(mesh, size);
-    if shared > mesh.vertices.len() / 8 {
-        // In no order that would leave the blocks much to do.
-        degree.par_iter_mut().for_each(|degree| *degree &= !SHARED);
-        size = triangles.len().max(1);
-    }
+    let head: Vec<AtomicU32> = mesh.vertices.iter().map(|_| AtomicU32::new(OPEN)).collect();
     let mut twin = vec![0; 3 * triangles.len()];
     let between: Option<Vec<Vec<u32>>> = twin
-        .par_chunks_mut(3 * size)
-        .zip(triangles.par_chunks(size))
+        .par_chunks_mut(3 * blocks.size)
+        .zip(triangles.par_chunks(blocks.size))
         .enumerate()
         .map(|(k, (twin, triangles))| {
             twin.fill(OPEN);
             let mut between = Vec::new();
-            let mut lists = Lists::new(&degree, patience.saturating_mul(twin.len()));
-            let first = (3 * k * size) as u32;
+            let mut lists = Lists::new(&head, patience.saturating_mul(twin.len()));
+            let first = (3 * k * blocks.size) as u32;
             for (t, triangle) in triangles.iter().enumerate() {
                 for i in 0..3 {
-                    let (edge, half_edge) = (lists.edge(triangle, i), (3 * t + i) as u32);
+                    let half_edge = (3 * t + i) as u32;
+                    let edge = Edge::new(triangle, i, blocks, &weight);
                     if edge.shared {
                         between.push(first + half_edge);
                     } else if let Some(partner) = lists.partner(edge, half_edge)? {
@@ -85,9 +135,10 @@ fn pair_by_lists(mesh: &Mesh, patience: usize, count: usize) -> Option<Vec<u32>>
         .collect();
     let between = between?.concat();
     if !between.is_empty() {
-        let mut lists = Lists::new(&degree, patience.saturating_mul(twin.len()));
+        let mut lists = Lists::new(&head, patience.saturating_mul(twin.len()));
         for half_edge in between {
-            let edge = lists.edge(&triangles[half_edge as usize / 3], half_edge as usize % 3);
+            let triangle = &triangles[half_edge as usize / 3];
+            let edge = Edge::new(triangle, half_edge as usize % 3, blocks, &weight);
             if let Some(partner) = lists.partner(edge, half_edge)? {
                 twin[half_edge as usize] = partner;
                 twin[partner as usize] = half_edge;
@@ -97,36 +148,13 @@ fn pair_by_lists(mesh: &Mesh, patience: usize, count: usize) -> Option<Vec<u32>>
     Some(twin)
 }
 
-/// How many triangles touch each vertex, marked where they are in several blocks of `size` triangles,
-/// and the number of marks.
-fn degrees(mesh: &Mesh, size: usize) -> (Vec<u32>, usize) {
-    let mut counts: Vec<Vec<u32>> = mesh
-        .triangles
-        .par_chunks(size)
-        .map(|triangles| {
-            let mut degree = vec![0; mesh.vertices.len()];
-            for v in triangles.as_flattened() {
-                degree[*v as usize] += 1;
-            }
-            degree
-        })
-        .collect();
-    let rest = counts.split_off(counts.len().min(1));
-    let mut degree = counts.pop().unwrap_or_default();
-    if rest.is_empty() {
-        return (degree, 0);
+/// How many corners of triangles each vertex is.
+fn degrees(mesh: &Mesh) -> Vec<u32> {
+    let mut degree = vec![0; mesh.vertices.len()];
+    for v in mesh.triangles.as_flattened() {
+        degree[*v as usize] += 1;
     }
-    let shared = degree.par_chunks_mut(RUN).enumerate().map(|(run, sums)| {
-        for counts in &rest {
-            for (sum, &n) in sums.iter_mut().zip(&counts[run * RUN..]) {
-                let mark = if *sum != 0 && n != 0 { SHARED } else { 0 };
-                *sum = sum.wrapping_add(n) | mark;
-            }
-        }
-        sums.iter().filter(|&&sum| sum & SHARED != 0).count()
-    });
-    let shared = shared.sum();
-    (degree, shared)
+    degree
 }
 
 /// A half-edge as its edge's owner sees it.
@@ -141,12 +169,23 @@ struct Edge {
     shared: bool,
 }
 
+impl Edge {
+    #[inline(always)]
+    fn new(triangle: &[u32; 3], i: usize, blocks: &Blocks, weight: &impl Fn(u32) -> u32) -> Self {
+        let (from, to) = (triangle[i], triangle[if i == 2 { 0 } else { i + 1 }]);
+        let (a, b) = (blocks.is_shared(from), blocks.is_shared(to));
+        // What several blocks touch keeps no list while they are at work.
+        let leaves = (a, weight(from), to) < (b, weight(to), from);
+        let (owner, other) = if leaves { (from, to) } else { (to, from) };
+        Self { owner, other, leaves: u32::from(leaves), shared: a && b }
+    }
+}
+
 /// The lists of waiting half-edges.
 struct Lists<'a> {
-    degree: &'a [u32],
-    /// Per vertex one more than the place of its list's first entry, 0 without: so the allocator
-    /// delivers it without a pass over the memory.
-    head: Vec<u32>,
+    /// Per vertex the place of its list's first entry, or [`OPEN`]. Tasks at work at the same time write
+    /// to different vertices.
+    head: &'a [AtomicU32],
     pool: Vec<Waiting>,
     free: u32,
     /// Lists are searched from their youngest entry. Once an edge has two waiting the same way, the
@@ -157,18 +196,8 @@ struct Lists<'a> {
 }
 
 impl<'a> Lists<'a> {
-    fn new(degree: &'a [u32], patience: usize) -> Self {
-        let head = vec![0; degree.len()];
-        Self { degree, head, pool: Vec::new(), free: OPEN, over_shared: false, patience }
-    }
-
-    #[inline(always)]
-    fn edge(&self, triangle: &[u32; 3], i: usize) -> Edge {
-        let (from, to) = (triangle[i], triangle[(i + 1) % 3]);
-        let (a, b) = (self.degree[from as usize], self.degree[to as usize]);
-        let leaves = (a, from) < (b, to);
-        let (owner, other) = if leaves { (from, to) } else { (to, from) };
-        Edge { owner, other, leaves: u32::from(leaves), shared: a & b & SHARED != 0 }
+    fn new(head: &'a [AtomicU32], patience: usize) -> Self {
+        Self { head, pool: Vec::new(), free: OPEN, over_shared: false, patience }
     }
 
     /// Takes the partner of a half-edge out of its list; without one, the half-edge waits. Half-edges
@@ -176,7 +205,8 @@ impl<'a> Lists<'a> {
     #[inline(always)]
     fn partner(&mut self, edge: Edge, half_edge: u32) -> Option<Option<u32>> {
         let Edge { owner, other, leaves, .. } = edge;
-        let first = self.head[owner as usize].wrapping_sub(1);
+        let head = &self.head[owner as usize];
+        let first = head.load(Relaxed);
         let (mut at, mut before) = (first, OPEN);
         let (mut found, mut found_before) = (OPEN, OPEN);
         while at != OPEN {
@@ -197,19 +227,19 @@ impl<'a> Lists<'a> {
         if found == OPEN {
             let waiting = Waiting { other, half_edge, leaves, next: first };
             let place = self.free;
-            self.head[owner as usize] = if place == OPEN {
+            if place == OPEN {
+                head.store(self.pool.len() as u32, Relaxed);
                 self.pool.push(waiting);
-                self.pool.len() as u32
             } else {
+                head.store(place, Relaxed);
                 self.free = self.pool[place as usize].next;
                 self.pool[place as usize] = waiting;
-                place + 1
-            };
+            }
             return Some(None);
         }
         let partner = self.pool[found as usize];
         if found_before == OPEN {
-            self.head[owner as usize] = partner.next.wrapping_add(1);
+            head.store(partner.next, Relaxed);
         } else {
             self.pool[found_before as usize].next = partner.next;
         }
@@ -250,6 +280,15 @@ mod tests {
     use crate::mesh::random::Random;
     use crate::mesh::shapes::{cylinder, fan, sphere, tetrahedron};
 
+    fn by_id(mesh: &Mesh, patience: usize, count: usize) -> Option<Vec<u32>> {
+        pair_by_lists(mesh, patience, &Blocks::new(mesh, count), |_| 0)
+    }
+
+    fn by_degree(mesh: &Mesh, patience: usize, count: usize) -> Option<Vec<u32>> {
+        let degree = degrees(mesh);
+        pair_by_lists(mesh, patience, &Blocks::new(mesh, count), |v| degree[v as usize])
+    }
+
     /// What is wrong with a pairing, if anything.
     fn fault(mesh: &Mesh, twin: &[u32]) -> Option<String> {
         let ends = |h: usize| (mesh.triangles[h / 3][h % 3], mesh.triangles[h / 3][(h + 1) % 3]);
@@ -283,8 +322,10 @@ mod tests {
             let mesh = random.mesh(3 + seed as usize % 30, seed as usize);
             let twin = pair_by_sorting(&mesh);
             for count in [1, 2, 3, 8] {
-                let lists = pair_by_lists(&mesh, usize::MAX, count);
-                assert_eq!(lists.as_ref(), Some(&twin), "seed {seed}, {count} blocks");
+                for pair in [by_id, by_degree] {
+                    let lists = pair(&mesh, usize::MAX, count);
+                    assert_eq!(lists.as_ref(), Some(&twin), "seed {seed}, {count} blocks");
+                }
             }
             assert_eq!(fault(&mesh, &twin), None, "seed {seed}");
         }
@@ -303,9 +344,10 @@ mod tests {
         let expected = pair_by_sorting(&mesh);
         assert!(expected.contains(&OPEN));
         for count in [1, 2, 3, 8] {
-            assert_eq!(pair_by_lists(&mesh, PATIENCE, count).as_ref(), Some(&expected), "{count} blocks");
-            let size = mesh.triangles.len().div_ceil(count);
-            let shared = degrees(&mesh, size).1;
+            for pair in [by_id, by_degree] {
+                assert_eq!(pair(&mesh, PATIENCE, count).as_ref(), Some(&expected), "{count} blocks");
+            }
+            let shared = Blocks::new(&mesh, count).shared();
             assert_eq!(shared > 0, count > 1);
             assert!(shared < mesh.vertices.len() / 8, "the blocks must have been at work");
             let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
@@ -327,12 +369,18 @@ mod tests {
     #[test]
     fn a_fan_of_60_000_triangles_keeps_its_lists_short() {
         let mut mesh = fan(60_000);
-        assert!(pair_by_lists(&mesh, 2, 1).is_some());
+        // With the hubs last, so that they would keep the lists by their ids.
+        let last = mesh.vertices.len() as u32 - 1;
+        mesh.vertices.reverse();
+        mesh.triangles.iter_mut().for_each(|t| *t = t.map(|v| last - v));
+        assert!(by_degree(&mesh, 2, 1).is_some());
         // In an order in which neighbours are far apart.
         let n = mesh.triangles.len();
         mesh.triangles = (0..n).map(|i| mesh.triangles[i * 7919 % n]).collect();
-        let twin = pair_by_lists(&mesh, 2, 1);
-        assert!(twin.is_some_and(|twin| !twin.contains(&OPEN)));
+        let twin = by_degree(&mesh, 2, 1);
+        assert!(twin.as_ref().is_some_and(|twin| !twin.contains(&OPEN)));
+        assert!(by_id(&mesh, HASTE, 1).is_none(), "the hubs keep long lists");
+        assert_eq!(Some(Adjacency::build(&mesh).twin), twin);
     }
 
     #[test]
@@ -340,7 +388,7 @@ mod tests {
         let mut mesh = Random(1).mesh(5000, 0);
         mesh.triangles = (2..5000).map(|v| [0, 1, v]).collect();
         // The lists are at the other vertices where they can be, but 0-1 is one edge.
-        assert_eq!(pair_by_lists(&mesh, PATIENCE, 1), None);
+        assert_eq!(by_degree(&mesh, PATIENCE, 1), None);
         mesh.triangles.extend((2..5000).map(|v| [1, 0, v]));
         let twin = Adjacency::build(&mesh).twin;
         assert_eq!(fault(&mesh, &twin), None);

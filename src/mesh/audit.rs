@@ -62,7 +62,7 @@ pub fn audit_shells(mesh: &Mesh, adjacency: &Adjacency) -> (Audit, Shells) {
     let volume6: i128 = shells.volume6.iter().sum();
     let audit = Audit {
         triangles: mesh.triangles.len() as u64,
-        open_edges: adjacency.twin.iter().filter(|&&t| t == OPEN).count() as u64,
+        open_edges: edges.open,
         over_shared_edges: edges.over_shared,
         flipped_edges: edges.flipped,
         duplicate_triangles: edges.duplicates,
@@ -165,6 +165,7 @@ fn find(parent: &mut [u32], mut t: u32) -> u32 {
 
 #[derive(Default)]
 struct Edges {
+    open: u64,
     over_shared: u64,
     flipped: u64,
     duplicates: u64,
@@ -177,19 +178,26 @@ struct Edges {
 /// higher vertices leave a hashed mark; only at vertices where a mark was met twice (about one in
 /// twenty, by chance) are the edges compared exactly.
 fn edges(mesh: &Mesh, adjacency: &Adjacency) -> Edges {
+    /// Cleared where a mark was met twice.
+    const CERTAIN: u64 = 1 << 63;
     let twin = &adjacency.twin;
-    let mut marks = vec![0u64; mesh.vertices.len()];
-    let mut doubtful = vec![false; mesh.vertices.len()];
+    let mut found = Edges::default();
+    // A mark is a cleared bit, as zeros from the allocator that are read first and written then cost two
+    // page faults.
+    let mut marks = vec![u64::MAX; mesh.vertices.len()];
     let mut suspects = Vec::new();
     for (t, c) in mesh.triangles.iter().enumerate() {
         let twins = &twin[3 * t..3 * t + 3];
         for i in 0..3 {
+            found.open += u64::from(twins[i] == OPEN);
             // OPEN is above every id.
             if twins[i] as usize > 3 * t + i {
                 let (lo, hi) = key(c[i], c[(i + 1) % 3]);
-                let mark = 1 << (mix(hi ^ lo.rotate_left(16)) >> 26);
-                doubtful[lo as usize] |= marks[lo as usize] & mark != 0;
-                marks[lo as usize] |= mark;
+                // 63 marks.
+                let mark = 1u64 << (mix(hi ^ lo.rotate_left(16)) >> 26).min(62);
+                let marks = &mut marks[lo as usize];
+                let again = if *marks & mark == 0 { CERTAIN } else { 0 };
+                *marks &= !(mark | again);
             }
         }
         // A triangle back to back with its own reverse.
@@ -202,13 +210,12 @@ fn edges(mesh: &Mesh, adjacency: &Adjacency) -> Edges {
         for i in 0..3 {
             let h = 3 * t + i;
             let (lo, hi) = key(c[i], c[(i + 1) % 3]);
-            if twin[h] as usize > h && doubtful[lo as usize] {
+            if twin[h] as usize > h && marks[lo as usize] & CERTAIN == 0 {
                 represented.push((u64::from(lo) << 32 | u64::from(hi), h as u32));
             }
         }
     }
     represented.sort_unstable();
-    let mut found = Edges::default();
     for edge in represented.chunk_by(|a, b| a.0 == b.0).filter(|edge| edge.len() > 1) {
         let paired = edge.iter().filter(|e| twin[e.1 as usize] != OPEN).count();
         found.over_shared += u64::from(edge.len() + paired > 2);

@@ -58,8 +58,20 @@ impl Mesh {
     /// vertices.
     pub fn bounds(&self) -> Option<[Point3; 2]> {
         let first = *self.vertices.first()?;
+        // Four vertices at a time are whole vectors of one instruction.
+        let (fours, rest) = self.vertices.as_chunks::<4>();
+        let mut low: [i32; 12] = bytemuck::cast([first; 4]);
+        let mut high = low;
+        for four in fours {
+            let lanes: &[i32; 12] = bytemuck::cast_ref(four);
+            for (i, &c) in lanes.iter().enumerate() {
+                low[i] = low[i].min(c);
+                high[i] = high[i].max(c);
+            }
+        }
         let (mut lo, mut hi) = (first, first);
-        for v in &self.vertices {
+        let lanes: [[Point3; 4]; 2] = [bytemuck::cast(low), bytemuck::cast(high)];
+        for v in lanes.as_flattened().iter().chain(rest) {
             lo = Point3::new(lo.x.min(v.x), lo.y.min(v.y), lo.z.min(v.z));
             hi = Point3::new(hi.x.max(v.x), hi.y.max(v.y), hi.z.max(v.z));
         }

@@ -116,13 +116,18 @@ pub fn by_run<T: Copy + Send>(
     let blocks: Vec<Vec<Vec<T>>> = blocks
         .into_par_iter()
         .map(|block| {
-            let mut lists = vec![Vec::new(); runs.len()];
+            let runs_of = |item: &T| {
+                let Range { start, end } = planes_of(item);
+                run_of[start as usize] as usize..=run_of[end as usize - 1] as usize
+            };
+            // Counted first, so that no list is moved while it grows.
+            let mut counts = vec![0; runs.len()];
+            for item in &block {
+                counts[runs_of(item)].iter_mut().for_each(|n| *n += 1);
+            }
+            let mut lists: Vec<Vec<T>> = counts.into_iter().map(Vec::with_capacity).collect();
             for item in block {
-                let Range { start, end } = planes_of(&item);
-                let (from, to) = (run_of[start as usize], run_of[end as usize - 1]);
-                for list in &mut lists[from as usize..=to as usize] {
-                    list.push(item);
-                }
+                lists[runs_of(&item)].iter_mut().for_each(|list| list.push(item));
             }
             lists
         })
