@@ -1,7 +1,5 @@
 //! Beads in shapes of known thickness and in random ones.
 
-#![allow(clippy::panic)]
-
 use super::*;
 use crate::lattice::Point2;
 use crate::region::Island;
