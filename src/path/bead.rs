@@ -6,9 +6,9 @@ use crate::region::Bead;
 
 /// The widths along a piece differ by this much at most \[nm\], so that the edge of a bead moves by about
 /// a quarter of it to either side. PrusaSlicer's is 0.05 mm.
-const STEP: f64 = 40e3;
+const STEP: f64 = 30e3;
 /// A change of width within less than this is not worth a piece \[nm\]: no nozzle could follow.
-const SHORTEST: f64 = 50e3;
+const SHORTEST: f64 = 10e3;
 
 /// Where a bead is begun.
 #[derive(Clone, Copy, Debug, PartialEq)]

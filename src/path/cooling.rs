@@ -6,9 +6,10 @@ use crate::settings::CoolingSettings;
 /// Slows the layer's lines down to `slowdown_below_layer_time` and sets its fan.
 ///
 /// Only extruding moves are slowed, all in proportion, none below `min_print_speed`; what hangs in air
-/// keeps its speed, as in PrusaSlicer. `index` counts layers from 0. The fan follows PrusaSlicer's rules: off for the first layers, then a ramp; full
-/// below the slow-down's layer time, `min_fan_speed` at `fan_below_layer_time`, linear between, and
-/// off or (`fan_always_on`) at the minimum above.
+/// keeps its speed, as in PrusaSlicer. `index` counts layers from 0. The fan follows PrusaSlicer's rules:
+/// off for the first layers, then a ramp; full below the slow-down's layer time, `min_fan_speed` at
+/// `fan_below_layer_time`, linear between, and off or (`fan_always_on`) at the minimum above; faster over
+/// air if `bridge_fan_speed` is, whatever `cooling` says.
 pub(super) fn cool(layer: &mut LayerPlan, index: usize, settings: &CoolingSettings) {
     if settings.cooling {
         slow_down(layer, settings);
@@ -144,13 +145,14 @@ mod tests {
         long.travel_seconds = 100.0;
         cool(&mut long, 9, &settings);
         assert_eq!([long.extrusions[0].fan, long.extrusions[1].fan], [None, Some(80.0)]);
-        for (index, settings) in [(2, settings.clone()), (9, CoolingSettings { cooling: false, ..settings })]
-        {
-            let mut layer = with_bridge();
-            layer.travel_seconds = 100.0;
-            cool(&mut layer, index, &settings);
-            assert!(layer.extrusions.iter().all(|e| e.fan.is_none()), "layer {index}");
-        }
+        let mut low = with_bridge();
+        low.travel_seconds = 100.0;
+        cool(&mut low, 2, &settings);
+        assert!(low.extrusions.iter().all(|e| e.fan.is_none()));
+        // Without slow-down too.
+        let mut long = with_bridge();
+        cool(&mut long, 9, &CoolingSettings { cooling: false, ..settings });
+        assert_eq!((long.fan, long.extrusions[1].fan), (0.0, Some(80.0)));
     }
 
     #[test]

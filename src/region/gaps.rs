@@ -41,6 +41,9 @@ impl BeadPlan {
 /// The narrowest thin wall, as a share of the external wall's width. The widest is where a loop fits.
 pub const THINNEST: f64 = 0.5;
 
+/// The same without `thin_walls`: walls as wide as a line are no thin walls yet, and are printed.
+const WHOLE: f64 = 0.99;
+
 /// The narrowest gap that is filled, as a share of the spacing of walls.
 pub const NARROWEST_GAP: f64 = 0.1;
 
@@ -64,8 +67,9 @@ pub(super) fn beside_wall<'a>(
 ) -> Vec<Bead> {
     let width = plan.external_width as f64;
     match depth.checked_sub(1) {
-        None if plan.beads.thin_walls => {
-            let radii = (0.5 * THINNEST * width, most as f64);
+        None => {
+            let least = if plan.beads.thin_walls { THINNEST } else { WHOLE };
+            let radii = (0.5 * least * width, most as f64);
             let shape =
                 Shape { kind: BeadKind::ThinWall, add: 0.0, slack: 4_000.0, shortest: SHORTEST * width };
             Place { taken: 0.0, radii, reach: 0.5 * width }.fill(area, || inner, &shape)

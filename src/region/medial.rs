@@ -145,6 +145,10 @@ impl<F: FnMut(&Node) -> bool> Walk<'_, F> {
         let reach = 2.0 * self.most + STEP;
         let (low, high) = (run.low, run.high);
         self.edges.near((low.0 - reach, low.1 - reach), (high.0 + reach, high.1 + reach), &mut self.near);
+        if !self.faced(run) {
+            run.parts.clear();
+            return;
+        }
         for (i, from, to) in run.parts.drain(..) {
             let edge = self.edges.all[i as usize];
             let before = self.edges.all[edge.before as usize];
@@ -155,6 +159,27 @@ impl<F: FnMut(&Node) -> bool> Walk<'_, F> {
                 self.part(i, &edge, from, to);
             }
         }
+    }
+
+    /// Whether an edge nearby may face one of a run's: false only where all of them point the same way
+    /// as the run does, but for so much that none of them can.
+    fn faced(&self, run: &Run) -> bool {
+        let all = &self.edges.all;
+        let own =
+            || run.parts.iter().flat_map(|p| [&all[p.0 as usize], &all[all[p.0 as usize].before as usize]]);
+        let (x, y) = own().fold((0.0, 0.0), |(x, y), e| (x + e.ux, y + e.uy));
+        let length = (x * x + y * y).sqrt();
+        if length <= 0.0 {
+            return true;
+        }
+        let along = |e: &Edge| (x * e.ux + y * e.uy) / length;
+        let spread = own().map(along).fold(1.0, f64::min);
+        if spread < 0.1 {
+            return true;
+        }
+        // An edge faces another beyond the angle whose cosine is FACING; the run's own spread is taken off.
+        let most = FACING * spread + ((1.0 - FACING * FACING) * (1.0 - spread * spread)).max(0.0).sqrt();
+        self.near.iter().any(|&i| along(&all[i as usize]) <= most)
     }
 
     /// Gathers the edges that discs along an edge may touch, and tells whether one of them faces it.

@@ -47,6 +47,9 @@ pub struct WallPlan {
 /// left out.
 const OVERLAP_TOLERANCE: f64 = 0.4;
 
+/// The same for external walls without `thin_walls`: a loop narrower than this share is a single line.
+const LEAST_ROOM: f64 = 0.05;
+
 /// Infill lines end this share of their spacing short of the overlap, since the links between them run
 /// along that border and are as wide as they are.
 const END_ALLOWANCE: f64 = 0.5;
@@ -175,8 +178,9 @@ fn island(outline: ExPolygon, above: Option<&Cover>, plan: &WallPlan) -> Island 
     let mut lines = vec![Line { polygon: outline.clone(), inner: Inner::Untried }];
     for depth in 0..plan.count {
         let (distance, spacing) = plan.step(depth);
-        // Without thin walls, loops are better than nothing.
-        let fits = if depth == 0 && !plan.beads.thin_walls { 0.0 } else { 1.0 - OVERLAP_TOLERANCE };
+        // Without thin walls, loops that overlap are better than nothing.
+        let crowded = depth == 0 && !plan.beads.thin_walls;
+        let fits = if crowded { LEAST_ROOM } else { 1.0 - OVERLAP_TOLERANCE };
         let radius = (0.5 * fits * spacing as f64) as i64;
         let next = if depth + 1 < plan.count { plan.step(depth + 1).0 } else { plan.infill_room() };
         lines = lines
@@ -309,12 +313,6 @@ impl Inner {
 fn centre_lines(line: Line, distance: i64, radius: i64, next: i64) -> (ExPolygon, Vec<Line>, bool) {
     let Line { polygon, inner } = line;
     let plain = if matches!(inner, Inner::Untried) { Inner::of(&polygon, distance) } else { inner };
-    if radius == 0 {
-        let filled = plain.whole(&polygon).is_some() && !plain.gapes();
-        let centres = plain.or_raw(&polygon, distance);
-        let lines = centres.into_iter().map(|polygon| Line { polygon, inner: Inner::Untried }).collect();
-        return (polygon, lines, filled);
-    }
     if let Some(centre) = plain.whole(&polygon) {
         let inner = if next > 0 { Inner::of(centre, next) } else { Inner::Untried };
         let wide = next >= radius && inner.whole(centre).is_some();
@@ -327,12 +325,8 @@ fn centre_lines(line: Line, distance: i64, radius: i64, next: i64) -> (ExPolygon
     if matches!(&plain, Inner::Proven(polygons, _) if polygons.is_empty()) {
         return (polygon, Vec::new(), false);
     }
-    let lines = if radius > 0 {
-        let core = offset::inset(std::slice::from_ref(&polygon), distance + radius);
-        opened(&core, radius, &polygon, distance, || plain.or_raw(&polygon, distance))
-    } else {
-        plain.or_raw(&polygon, distance)
-    };
+    let core = offset::inset(std::slice::from_ref(&polygon), distance + radius);
+    let lines = opened(&core, radius, &polygon, distance, || plain.or_raw(&polygon, distance));
     let lines = lines.into_iter().map(|polygon| Line { polygon, inner: Inner::Untried }).collect();
     (polygon, lines, false)
 }
@@ -400,8 +394,8 @@ mod tests {
         for (wall, (depth, d)) in islands[0].walls.iter().zip([(0, 225_000), (1, 635_000), (2, 1_055_000)]) {
             assert_eq!(*wall, Wall { ring: at(d), depth, ..Wall::default() });
         }
-        // Half a spacing less the overlap, plus 5 % of an infill line's spacing.
-        assert_eq!(islands[0].infill[0].contour, at(1_055_000 + 210_000 - 100_000 + 20_000));
+        // Half a spacing less the overlap, plus half of an infill line's spacing.
+        assert_eq!(islands[0].infill[0].contour, at(1_055_000 + 210_000 - 100_000 + 200_000));
     }
 
     #[test]

@@ -418,7 +418,12 @@ fn adaptive_layers_reach_the_gcode() {
         volume(&adaptive),
         volume(&plain)
     );
-    let heights: Vec<f64> = text.lines().filter_map(|l| l.strip_prefix(";HEIGHT:")).map(number).collect();
+    // The height of a layer follows its change; those of threads over air come later.
+    let changes = text.split(";LAYER_CHANGE\n").skip(1);
+    let heights: Vec<f64> = changes
+        .filter_map(|layer| layer.lines().find_map(|l| l.strip_prefix(";HEIGHT:")))
+        .map(number)
+        .collect();
     let (least, most) =
         heights.iter().skip(1).fold((9.0, 0.0), |(a, b): (f64, f64), h| (a.min(*h), b.max(*h)));
     assert!(least < 0.08 && (most - 0.3).abs() < 1e-9, "{least} {most}");
