@@ -58,6 +58,9 @@ pub struct Stack<'a> {
     pub plan: &'a FillPlan,
 }
 
+/// Sparse areas narrower than this many solid lines, between a skin and a wall, are solid.
+const SLIVER: f64 = 1.5;
+
 /// The skins of a layer that air touches, disjoint parts of its infill area.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Skins {
@@ -99,6 +102,13 @@ impl Stack<'_> {
             self.shell(i, skins)
         };
         let mut sparse = sub(own, &solid);
+        if !solid.is_empty() && !sparse.is_empty() {
+            // Slivers between a skin and a wall have no room for sparse lines.
+            let reach = self.frame.units(SLIVER * plan.pitch(FillKind::Solid, i));
+            let grown = |area: &Rows| dilate_disc(area, reach, |k| self.frame.t(k));
+            sparse = and(&sparse, &grown(&sub(&sparse, &grown(&solid))));
+            solid = sub(own, &sparse);
+        }
         if plan.density > 0.0 && plan.solid_below_area > 0.0 && !sparse.is_empty() {
             let least = (plan.solid_below_area / self.frame.mm2_per_unit()).min(1e18) as i64;
             let small = components::smaller_than(&sparse, least);

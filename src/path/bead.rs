@@ -2,11 +2,12 @@
 
 use super::seam::Seam;
 use crate::lattice::Point2;
-use crate::region::Bead;
+use crate::region::{Bead, BeadKind};
 
 /// The widths along a piece differ by this much at most \[nm\], so that the edge of a bead moves by about
-/// a quarter of it to either side. PrusaSlicer's is 0.05 mm.
-const STEP: f64 = 30e3;
+/// a quarter of it to either side: between walls, and where it shows. PrusaSlicer's is 0.05 mm.
+const STEP: f64 = 40e3;
+const FINE_STEP: f64 = 10e3;
 /// A change of width within less than this is not worth a piece \[nm\]: no nozzle could follow.
 const SHORTEST: f64 = 10e3;
 
@@ -59,6 +60,7 @@ impl Pieces {
         self.trace(bead, start);
         let mut piece = Piece { end: 0, width: 0.0, length: 0.0, volume: 0.0 };
         let (mut low, mut high) = (f64::INFINITY, 0.0f64);
+        let most_step = if bead.kind == BeadKind::ThinWall { FINE_STEP } else { STEP };
         let knots = std::mem::take(&mut self.knots);
         for pair in knots.windows(2) {
             let [from, to] = [pair[0], pair[1]];
@@ -66,13 +68,13 @@ impl Pieces {
             if whole <= 0.0 {
                 continue;
             }
-            let steps = ((to.width - from.width).abs() / STEP).ceil().min(whole / SHORTEST) as u32;
+            let steps = ((to.width - from.width).abs() / most_step).ceil().min(whole / SHORTEST) as u32;
             let mut a = from;
             for k in 1..=steps.max(1) {
                 let b = if k >= steps { to } else { between(from, to, f64::from(k) / f64::from(steps)) };
                 let length = a.at.distance(b.at);
                 let (least, most) = (low.min(a.width).min(b.width), high.max(a.width).max(b.width));
-                if most - least > STEP && piece.length >= SHORTEST {
+                if most - least > most_step && piece.length >= SHORTEST {
                     self.close(&mut piece);
                     (low, high) = (a.width.min(b.width), a.width.max(b.width));
                 } else {
@@ -236,14 +238,15 @@ mod tests {
         assert!((cut.pieces[0].width - 450_000.0).abs() < 1e-6);
         bead.points = vec![Point2::new(0, 0), Point2::new(9_000_000, 0)];
         bead.widths = vec![200_000, 600_000];
+        bead.kind = BeadKind::GapFill;
         cut.cut(&bead, Start::First, section);
         let widths: Vec<_> = cut.pieces.iter().map(|p| p.width.round() as i32).collect();
         assert_eq!(
             widths,
             [220_000, 260_000, 300_000, 340_000, 380_000, 420_000, 460_000, 500_000, 540_000, 580_000]
         );
-        // Over a tenth of a millimetre there is no use in ten widths.
-        bead.points[1].x = 100_000;
+        // Over a fiftieth of a millimetre there is no use in ten widths.
+        bead.points[1].x = 20_000;
         cut.cut(&bead, Start::First, section);
         assert_eq!(cut.pieces.len(), 2);
     }
