@@ -32,7 +32,7 @@ pub struct FillLayer<'a> {
 /// in which they are to be laid; the lines of a solid region are laid in one sweep if that order and the
 /// paths' directions are kept. Every path stays within 2 nm of the island's infill areas.
 ///
-/// Areas are compared on one family of rows, those of [`FillPlan::area_frame`]; lines of other directions
+/// Areas are compared on one family of rows, those of `FillPlan::area_frame`; lines of other directions
 /// or distances carry them over to their own rows.
 ///
 /// Rows lie at fixed places of the mesh frame, so a border parallel to them may be up to one spacing
