@@ -21,8 +21,8 @@ use microtome::slice::planes;
 const OUTSIDE: f64 = 10_000.0;
 
 /// Beads of varying width: least and most, in widths of an external wall.
-const THIN_WALL: [f64; 2] = [0.49, 2.01];
-const GAP_FILL: [f64; 2] = [0.09, 2.01];
+const THIN_WALL: [f64; 2] = [0.499, 1.56];
+const GAP_FILL: [f64; 2] = [0.18, 1.56];
 
 fn settings() -> Settings {
     let mut s = Settings::default();
