@@ -73,6 +73,20 @@ fn a_step_is_solid_for_three_layers() {
 }
 
 #[test]
+fn slivers_beside_a_skin_are_solid() {
+    // The layers above cover a strip of the lower ones beside the wall at x = 0: too narrow for sparse
+    // lines once the skin has grown, or wide enough.
+    let rectangle = |w: f64| vec![at(0.0, 0.0), at(w, 0.0), at(w, 40.0), at(0.0, 40.0)];
+    let sparse = |strip: f64| {
+        let layers: Vec<_> =
+            (0..20).map(|i| vec![island(rectangle(if i < 10 { 40.0 } else { strip }), vec![])]).collect();
+        areas(&layers, 9, &plan())[0]
+    };
+    assert_eq!(sparse(1.7), 0.0);
+    assert!(sparse(6.0) > 150.0, "{}", sparse(6.0));
+}
+
+#[test]
 fn a_pyramid_has_a_frame_on_every_layer() {
     let layers = boxes(&(0..15).map(|i| 60.0 - 4.0 * f64::from(i)).collect::<Vec<_>>());
     let area = |i: usize| (60.0 - 4.0 * i as f64).powi(2);
