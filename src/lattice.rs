@@ -55,6 +55,14 @@ impl Point2 {
         // Exact up to 2^62, then one rounding in the conversion and one in the root.
         ((dx * dx + dy * dy) as f64).sqrt()
     }
+
+    /// The point at `share`, 0 to 1, of the way to `to`. The way is rounded before it is added, so that the
+    /// result moves with its input.
+    pub fn toward(self, to: Self, share: f64) -> Self {
+        let (dx, dy) = to.minus(self);
+        let part = |c: i32, d: i64| (i64::from(c) + (d as f64 * share).round() as i64) as i32;
+        Self::new(part(self.x, dx), part(self.y, dy))
+    }
 }
 
 impl Point3 {
@@ -123,6 +131,17 @@ pub fn nm(mm: f64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_on_a_way_move_with_it() {
+        let (a, b) = (Point2::new(-LIMIT + 1, 3), Point2::new(LIMIT - 1, 1));
+        assert_eq!(a.toward(b, 0.0), a);
+        assert_eq!(a.toward(b, 1.0), b);
+        assert_eq!(a.toward(b, 0.5), Point2::new(0, 2));
+        let (c, d) = (Point2::new(10, 20), Point2::new(107, 5));
+        let shifted = |p: Point2| Point2::new(p.x - 1_000_003, p.y + 999);
+        assert_eq!(shifted(c).toward(shifted(d), 0.37), shifted(c.toward(d, 0.37)));
+    }
 
     #[test]
     fn the_borders_are_checked() {

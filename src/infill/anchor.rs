@@ -170,7 +170,7 @@ impl<'a> Wall<'a> {
             let whole = at.distance(p);
             let step = open.reach(at, p).min(whole).min(rest);
             if step > 0.0 {
-                points.push(if step < whole { between(at, p, step / whole) } else { p });
+                points.push(if step < whole { at.toward(p, step / whole) } else { p });
                 length += step;
                 rest -= step;
             }
@@ -181,14 +181,6 @@ impl<'a> Wall<'a> {
         }
         (length, points)
     }
-}
-
-/// The point at a fraction of the way from `a` to `b`; the step is rounded before it is added, so that a
-/// part moved gives the same paths, moved.
-pub fn between(a: Point2, b: Point2, fraction: f64) -> Point2 {
-    let (dx, dy) = b.minus(a);
-    let step = |d: i64| (d as f64 * fraction).round() as i32;
-    Point2::new(a.x + step(dx), a.y + step(dy))
 }
 
 /// Which parts of the wall may be used.

@@ -3,7 +3,7 @@
 //! Where the outline of the layer above runs a little further inside than this layer's walls reach, its
 //! walls would stand on sparse infill. Walls are added until they carry it.
 
-use super::inside::{Edges, between, bounds, ring_edges};
+use super::inside::{Edges, bounds, ring_edges};
 use super::offset;
 use super::perimeters::WallPlan;
 use crate::contour::{ExPolygon, Ring};
@@ -81,7 +81,7 @@ fn covered(a: Point2, b: Point2, edges: &Edges, depth: f64, hint: &mut usize, sp
     if splits == 0 || length < depth {
         return 0.0;
     }
-    let middle = between(a, b, 0.5);
+    let middle = a.toward(b, 0.5);
     covered(a, middle, edges, depth, hint, splits - 1) + covered(middle, b, edges, depth, hint, splits - 1)
 }
 

@@ -5,6 +5,7 @@ use crate::lattice::Point2;
 use crate::region::Island;
 use crate::region::areas::areas;
 use crate::region::perimeters::{Neighbours, walls};
+use crate::region::tests::Random;
 
 const MM: f64 = 1e6;
 const HEIGHT: f64 = 0.2 * MM;
@@ -190,23 +191,13 @@ fn narrow_infill_becomes_gap_fill() {
     }
 }
 
-/// Marsaglia's xorshift64.
-struct Random(u64);
-
 impl Random {
-    fn below(&mut self, n: u64) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0 % n
-    }
-
     fn unit(&mut self) -> f64 {
         self.below(1 << 40) as f64 / (1u64 << 40) as f64
     }
 
     /// Bars, blobs and rings over each other, a few line widths thick.
-    fn shapes(&mut self) -> Vec<ExPolygon> {
+    fn thin_shapes(&mut self) -> Vec<ExPolygon> {
         let mut rings = Vec::new();
         for _ in 0..1 + self.below(4) {
             let (x, y) = (4.0 * self.unit(), 4.0 * self.unit());
@@ -254,7 +245,7 @@ fn beads_keep_inside_in_range_and_off_the_walls() {
     let (mut beads, mut crossings) = (0, 0);
     for case in 0..400 {
         let plan = plan(1 + random.below(4) as u32);
-        for island in islands(random.shapes(), &plan) {
+        for island in islands(random.thin_shapes(), &plan) {
             let worst = spill(&island);
             assert!(worst < 10_000.0, "seed {seed:#x}, case {case}: {worst} nm outside");
             for bead in &island.beads {
@@ -289,7 +280,7 @@ fn beads_move_with_their_areas() {
     let seed = 0x5EED_0102;
     let mut random = Random(seed);
     for case in 0..150 {
-        let (shapes, plan) = (random.shapes(), plan(1 + random.below(3) as u32));
+        let (shapes, plan) = (random.thin_shapes(), plan(1 + random.below(3) as u32));
         let by = Point2::new(
             100_000_007 * (random.below(9) as i32 - 4),
             99_999_989 * (random.below(9) as i32 - 4),

@@ -160,7 +160,7 @@ impl Edges {
             let mut from = 0.0;
             for &to in at.iter().filter(|&&t| t > 0.0) {
                 if to > from {
-                    piece(i, from, to, self.contains(between(a, b, 0.5 * (from + to))));
+                    piece(i, from, to, self.contains(a.toward(b, 0.5 * (from + to))));
                     from = to;
                 }
             }
@@ -304,12 +304,4 @@ fn surrounds(ring: &Ring, p: Point2) -> bool {
 pub fn ring_edges(ring: &Ring) -> impl Iterator<Item = [Point2; 2]> + '_ {
     let ends = ring.iter().skip(1).chain(ring.first());
     ring.iter().zip(ends).map(|(&a, &b)| [a, b])
-}
-
-/// The point at share `t` of the way from `a` to `b`. The way is rounded before it is added, so that the
-/// result moves with its input.
-pub fn between(a: Point2, b: Point2, t: f64) -> Point2 {
-    let (dx, dy) = b.minus(a);
-    let part = |c: i32, d: i64| (i64::from(c) + (d as f64 * t).round() as i64) as i32;
-    Point2::new(part(a.x, dx), part(a.y, dy))
 }

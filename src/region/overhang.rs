@@ -2,7 +2,7 @@
 
 use super::Island;
 use super::Wall;
-use super::inside::{Cover, Edges, between};
+use super::inside::{Cover, Edges};
 use super::offset::{self, Join};
 use crate::contour::{ExPolygon, Ring};
 use std::cell::OnceCell;
@@ -47,7 +47,7 @@ impl Support<'_> {
             let mut near = true;
             edges.cut(ring, |i, from, to, inside| {
                 if near && !inside {
-                    let (a, b) = (between(ring[i], end(i), from), between(ring[i], end(i), to));
+                    let (a, b) = (ring[i].toward(end(i), from), ring[i].toward(end(i), to));
                     near = edges.within(a, b, reach, &mut hint);
                 }
             });
@@ -99,7 +99,7 @@ fn flag(wall: &mut Wall, support: &Edges, least: f64) {
         flags.push(hangs);
         while let Some(part) = next.next_if(|p| p.edge == i) {
             hangs = part.hangs;
-            let p = between(a, end(i), part.from);
+            let p = a.toward(end(i), part.from);
             if points.last() == Some(&p) {
                 flags.pop();
                 flags.push(hangs);

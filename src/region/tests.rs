@@ -40,17 +40,17 @@ fn shifted(r: &Ring, dx: i32, dy: i32) -> Ring {
 }
 
 /// Marsaglia's xorshift64.
-struct Random(u64);
+pub(super) struct Random(pub(super) u64);
 
 impl Random {
-    fn below(&mut self, n: u64) -> u64 {
+    pub(super) fn below(&mut self, n: u64) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         self.0 % n
     }
 
-    fn range(&mut self, low: i32, high: i32) -> i32 {
+    pub(super) fn range(&mut self, low: i32, high: i32) -> i32 {
         low + self.below((high - low) as u64) as i32
     }
 

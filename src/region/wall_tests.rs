@@ -6,6 +6,7 @@ use super::gaps::BeadPlan;
 use super::inside::{Cover, Edges};
 use super::layers::all_walls;
 use super::perimeters::{Neighbours, WallPlan, walls};
+use super::tests::Random;
 use super::{Island, Wall, boolean, offset};
 use crate::contour::{ExPolygon, Ring};
 use crate::lattice::Point2;
@@ -194,23 +195,9 @@ fn thin_parts_survive_the_compensation() {
     assert_eq!(offset::inset(&dumbbell, 200_000).len(), 2);
 }
 
-/// Marsaglia's xorshift64.
-struct Random(u64);
-
 impl Random {
-    fn below(&mut self, n: u64) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0 % n
-    }
-
-    fn range(&mut self, low: i32, high: i32) -> i32 {
-        low + self.below((high - low) as u64) as i32
-    }
-
     /// Rectangles and blobs, on a grid half of the time so that borders touch.
-    fn shapes(&mut self) -> Vec<ExPolygon> {
+    fn boxes_and_blobs(&mut self) -> Vec<ExPolygon> {
         let grid = [1, 500][self.below(2) as usize];
         let mut rings = Vec::new();
         for _ in 0..1 + self.below(4) {
@@ -248,7 +235,7 @@ fn points_and_lengths_inside_agree_with_the_polygon_library() {
     let mut random = Random(seed);
     let mut lengths = 0.0;
     for case in 0..300 {
-        let (a, b) = (random.shapes(), random.shapes());
+        let (a, b) = (random.boxes_and_blobs(), random.boxes_and_blobs());
         let edges = Edges::new(&a);
         for _ in 0..20 {
             let p = Point2::new(random.range(-1, 15) * 1_000_003, random.range(-1, 15) * 1_000_003);
@@ -286,7 +273,7 @@ fn a_cover_holds_what_the_difference_leaves_nothing_of() {
     let mut random = Random(seed);
     let mut held = 0;
     for case in 0..300 {
-        let (a, b) = (random.shapes(), offset::inset(&random.shapes(), 300_000));
+        let (a, b) = (random.boxes_and_blobs(), offset::inset(&random.boxes_and_blobs(), 300_000));
         for island in &b {
             let cover = Cover::new(&a);
             let holds = cover.holds(&island.rings().collect::<Vec<_>>());
@@ -307,7 +294,7 @@ fn walls_on_slopes_move_and_mirror_with_their_layers() {
     for case in 0..120 {
         let one_wall = [OnePerimeter::None, OnePerimeter::Top, OnePerimeter::Topmost][case % 3];
         let plan = WallPlan { one_wall, ..PLAN };
-        let (below, own) = (random.shapes(), random.shapes());
+        let (below, own) = (random.boxes_and_blobs(), random.boxes_and_blobs());
         let above = offset::inset(&own, i64::from(random.range(0, 1_500)) * 1000);
         let of = |f: &dyn Fn(&Ring) -> Ring| {
             let (below, above) = (mapped(&below, f), mapped(&above, f));
@@ -341,7 +328,7 @@ fn equal_layers_have_the_walls_that_each_would_have_alone() {
     let seed = 0x5EED_0014;
     let mut random = Random(seed);
     for case in 0..12 {
-        let kinds: Vec<Vec<ExPolygon>> = (0..3).map(|_| random.shapes()).collect();
+        let kinds: Vec<Vec<ExPolygon>> = (0..3).map(|_| random.boxes_and_blobs()).collect();
         let mut areas = Vec::new();
         let mut plans = Vec::new();
         while areas.len() < 40 {

@@ -5,7 +5,7 @@
 //! no corner lies on a line: a strand enters as often as it leaves.
 
 use super::join::Piece;
-use crate::infill::anchor::{Place, between};
+use crate::infill::anchor::Place;
 use crate::infill::regions::Regions;
 use crate::lattice::{self, Point2, cross};
 use std::f64::consts::PI;
@@ -196,7 +196,7 @@ fn parts(
 fn piece(strands: &Strands, from: &Crossing, to: &Crossing, regions: &Regions, region: u32) -> Piece {
     let at = |c: &Crossing| {
         let corner = |m| strands.corner(c.strand, m);
-        between(corner(c.corner), corner(c.corner + 1), c.fraction)
+        corner(c.corner).toward(corner(c.corner + 1), c.fraction)
     };
     let place = |c: &Crossing| c.border.map(|(ring, edge)| Place::new(&regions.rings, ring, edge, at(c)));
     let mut points = vec![at(from)];

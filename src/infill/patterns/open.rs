@@ -39,7 +39,7 @@ impl Open for SparseOnly<'_> {
         let steps = (length / step).ceil().max(1.0);
         let mut i = 0.0;
         while i <= steps {
-            if !self.is_near(area, crate::infill::anchor::between(a, b, i / steps)) {
+            if !self.is_near(area, a.toward(b, i / steps)) {
                 return ((i - 1.0) / steps * length).max(0.0);
             }
             i += 1.0;
