@@ -52,6 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rows_ms = 1e3 * begin.elapsed().as_secs_f64();
     let spacing = |kind: FillKind| plan.spacing[kind as usize] / lattice::NM_PER_MM;
     let solid: f64 = fills
+        .paths
         .iter()
         .flatten()
         .flatten()

@@ -125,8 +125,68 @@ def comb():
     for k in range(5):
         yield from box(66, 4, 2.5 + 4*k, 70 + 2*k, 36, 7 + 4*k)
 
+def extruded(outline, triangles, y0, y1):
+    """The profile `outline` (x, z), counter-clockwise, cut into `triangles` (indices), from y0 to y1."""
+    for a, b, c in triangles:
+        a, b, c = outline[a], outline[b], outline[c]
+        yield (a[0], y0, a[1], b[0], y0, b[1], c[0], y0, c[1])
+        yield (a[0], y1, a[1], c[0], y1, c[1], b[0], y1, b[1])
+    for i, (ax, az) in enumerate(outline):
+        bx, bz = outline[(i + 1) % len(outline)]
+        yield (ax, y0, az, ax, y1, az, bx, y1, bz)
+        yield (ax, y0, az, bx, y1, bz, bx, y0, bz)
+
+def tee():
+    """A T: a stem of 10 mm under a bar of 50 mm."""
+    p = [(-5, 0), (5, 0), (5, 20), (25, 20), (25, 26), (-25, 26), (-25, 20), (-5, 20)]
+    yield from extruded(p, [(0, 1, 2), (0, 2, 7), (2, 3, 4), (2, 4, 5), (2, 5, 7), (5, 6, 7)], 0, 20)
+
+def arch(n=48):
+    """A round arch: two feet of 6 mm, an opening of 40 mm, 26 mm high."""
+    inner = [(-20*math.cos(math.pi*i/n), 20*math.sin(math.pi*i/n)) for i in range(n + 1)]
+    # Above every point of the opening one on the outside, at the same x, the feet's corners apart.
+    p = [(-26, 0)] + inner + [(26, 0), (26, 26)] + [(x, 26) for x, _ in reversed(inner)] + [(-26, 26)]
+    top = lambda i: n + 3 + 1 + (n - i)
+    last = len(p) - 1
+    t = [(0, 1, top(0)), (0, top(0), last), (n + 1, n + 2, n + 3), (n + 1, n + 3, top(n))]
+    for i in range(n):
+        t += [(1 + i, 2 + i, top(i + 1)), (1 + i, top(i + 1), top(i))]
+    yield from extruded(p, t, 0, 15)
+
+def sector(r0, r1, a0, a1, z0, z1, n=6):
+    """A piece of a ring, closed."""
+    ring = [(math.cos(a0 + (a1-a0)*i/n), math.sin(a0 + (a1-a0)*i/n)) for i in range(n + 1)]
+    p = [(r1*c, r1*s) for c, s in ring] + [(r0*c, r0*s) for c, s in reversed(ring)]
+    m = len(p)
+    for i in range(n):
+        for a, b, c in ((i, i + 1, m - 2 - i), (i, m - 2 - i, m - 1 - i)):
+            a, b, c = p[a], p[b], p[c]
+            yield (*a, z1, *b, z1, *c, z1)
+            yield (*a, z0, *c, z0, *b, z0)
+    for i in range(m):
+        a, b = p[i], p[(i + 1) % m]
+        yield (*a, z0, *b, z0, *b, z1)
+        yield (*a, z0, *b, z1, *a, z1)
+
+def stair(steps=16):
+    """A spiral stair: steps of 3 mm around a column, each hanging in air but for its inner end."""
+    yield from ((a*5, b*5, c, d*5, e*5, f, g*5, h*5, i) for a, b, c, d, e, f, g, h, i in cylinder(64, 1.0, 3.0*steps + 3))
+    for k in range(steps):
+        a = 2*math.pi*k/steps
+        yield from sector(4.5, 20, a, a + 2*math.pi/steps*1.2, 3.0*k, 3.0*k + 3.0)
+
+def cone_down(n=120, r0=3.0, r1=22.0, h=15.0):
+    """A cone on its tip, blunt: its side leans out by 52 degrees from upright."""
+    for i in range(n):
+        (ca, sa), (cb, sb) = [(math.cos(2*math.pi*j/n), math.sin(2*math.pi*j/n)) for j in (i, i + 1)]
+        yield (r0*ca, r0*sa, 0, r0*cb, r0*sb, 0, r1*cb, r1*sb, h)
+        yield (r0*ca, r0*sa, 0, r1*cb, r1*sb, h, r1*ca, r1*sa, h)
+        yield (0, 0, 0, r0*cb, r0*sb, 0, r0*ca, r0*sa, 0)
+        yield (0, 0, h, r1*ca, r1*sa, h, r1*cb, r1*sb, h)
+
 MODELS = {'benchy.stl': benchy, 'plate9_benchy.stl': plate9, 'knot_1M.stl': knot, 'sphere_1M.stl': sphere,
-          'cyl_100k_tall.stl': cylinder, 'pins_1600.stl': pins, 'comb.stl': comb}
+          'cyl_100k_tall.stl': cylinder, 'pins_1600.stl': pins, 'comb.stl': comb,
+          'tee.stl': tee, 'arch.stl': arch, 'stair.stl': stair, 'cone_down.stl': cone_down}
 
 def main():
     if len(sys.argv) < 2: sys.exit(__doc__)

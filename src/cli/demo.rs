@@ -5,7 +5,7 @@ use super::progress::Spinner;
 use super::report;
 use crate::job::JobError;
 use crate::job::backend::{Backend, BackendOptions};
-use crate::job::filament::{self, FilamentJob};
+use crate::job::filament::{self, FilamentJob, ModifierFiles};
 use crate::job::output::OutputFile;
 use crate::job::part::MeshOptions;
 use crate::job::progress::Progress;
@@ -48,6 +48,7 @@ pub fn run(args: &DemoArgs) -> Result<(), CliError> {
         backend: BackendOptions::new(backend, adapter, None),
         stem: "demo".to_owned(),
         date: super::source_date_epoch(),
+        modifiers: ModifierFiles::default(),
     };
     let job = on(Backend::Cpu, None);
     let planned = plan(&job, &spinner)?;

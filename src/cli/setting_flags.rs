@@ -128,7 +128,7 @@ fn dashed(key: &Key) -> &'static str {
 fn value_name(kind: &Kind) -> &'static str {
     match kind {
         Kind::Flag => "0|1",
-        Kind::Count(..) | Kind::Number(..) => "N",
+        Kind::Count(..) | Kind::Integer(..) | Kind::Number(..) => "N",
         Kind::Percent(..) => "N%",
         Kind::NumberOrPercent(..) => "N|N%",
         Kind::LengthOrPixels(..) => "N|Npx",
@@ -393,7 +393,7 @@ mod tests {
     #[test]
     fn files_then_flags_then_set() {
         let file = tempfile::Builder::new().suffix(".ini").tempfile().unwrap();
-        std::fs::write(file.path(), "perimeters = 5\nskirts = 5\ninfill_speed = 55\nbrim_width = 3\n")
+        std::fs::write(file.path(), "perimeters = 5\nskirts = 5\ninfill_speed = 55\nwipe = 1\n")
             .unwrap();
         let path = file.path().to_str().unwrap();
         let (s, report, _) =
@@ -419,7 +419,7 @@ mod tests {
         assert!(error(&["--set", "layer_height"]).contains("key=value"));
         assert!(error(&["--load", "/nonexistent/x.ini"]).starts_with("/nonexistent/x.ini: cannot read"));
         // Known, but without effect: a warning and no error.
-        let (_, report, _) = apply_line(&["--set", "support_material=1"]).unwrap();
-        assert_eq!(report.warnings[0].key, "support_material");
+        let (_, report, _) = apply_line(&["--set", "fuzzy_skin=all"]).unwrap();
+        assert_eq!(report.warnings[0].key, "fuzzy_skin");
     }
 }

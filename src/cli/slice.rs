@@ -7,7 +7,7 @@ use super::progress::Spinner;
 use super::report;
 use super::setting_flags::SettingFlags;
 use crate::job::JobError;
-use crate::job::filament::{self, FilamentJob, Planned};
+use crate::job::filament::{self, FilamentJob, ModifierFiles, Planned};
 use crate::job::output::{OutputError, OutputFile};
 use crate::job::toolpaths::{save_png, toolpaths};
 use crate::mesh::Placement;
@@ -66,6 +66,7 @@ pub fn run(args: &SliceArgs) -> Result<(), CliError> {
         backend: args.run.backend(),
         stem: stem(&args.model),
         date: super::source_date_epoch(),
+        modifiers: ModifierFiles::default(),
     };
     let spinner = Spinner::new(args.run.quiet);
     let planned = filament::plan(&args.model, &job, &spinner)?;

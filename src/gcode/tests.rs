@@ -225,7 +225,7 @@ fn sample(settings: &Settings) -> Vec<LayerPlan> {
         islands.push(PrintIsland::default());
         let skirt = if k == 0 { vec![circle(0, 20_000_000, 80_000_000, 90, 0.0)] } else { Vec::new() };
         let z = LayerZ { slice_z: k * 200_000 + 100_000, print_z: (k + 1) * 200_000, height: 200_000 };
-        PrintLayer { z, islands, skirt }
+        PrintLayer { z, islands, skirt, ..PrintLayer::default() }
     };
     let layers: Vec<_> = (0..5).map(layer).collect();
     plan(&layers, Point2::new(-100_000_000, -50_000_000), settings)

@@ -26,7 +26,16 @@ pub struct FillLayer<'a> {
     pub height: i64,
 }
 
-/// Fills all layers of an object, lowest first: layer → island → paths.
+/// The infill of an object.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Filled {
+    /// Layer, lowest first → island → paths.
+    pub paths: Vec<Vec<Vec<FillPath>>>,
+    /// Per layer its bridges over air, on the rows of `FillPlan::area_frame`.
+    pub bridges: Vec<Vec<Bridge>>,
+}
+
+/// Fills all layers of an object, lowest first.
 ///
 /// Paths of an island come kind by kind (sparse, bridges, solid, top), region by region, and in the order
 /// in which they are to be laid; the lines of a solid region are laid in one sweep if that order and the
@@ -37,7 +46,7 @@ pub struct FillLayer<'a> {
 ///
 /// Rows lie at fixed places of the mesh frame, so a border parallel to them may be up to one spacing
 /// away from the nearest line. The spacing counts the lines alone: the links between them come on top.
-pub fn fill(layers: &[FillLayer], plan: &FillPlan) -> Vec<Vec<Vec<FillPath>>> {
+pub fn fill(layers: &[FillLayer], plan: &FillPlan) -> Filled {
     let frame = plan.area_frame();
     let levels: Vec<Level> =
         layers.iter().map(|l| Level { top: l.print_z, bottom: l.print_z - l.height }).collect();
@@ -48,7 +57,7 @@ pub fn fill(layers: &[FillLayer], plan: &FillPlan) -> Vec<Vec<Vec<FillPath>>> {
     let mut areas: Vec<Areas> = (0..layers.len()).into_par_iter().map(|i| stack.divide(i, &skins)).collect();
     let bridges = bridges(&mut areas, &own, &outlines, &frame, plan);
     let sparse = combine(&mut areas, &levels, &frame, plan);
-    layers
+    let paths = layers
         .par_iter()
         .enumerate()
         .map(|(i, layer)| {
@@ -70,7 +79,8 @@ pub fn fill(layers: &[FillLayer], plan: &FillPlan) -> Vec<Vec<Vec<FillPath>>> {
             filling.straight(&areas[i].top, FillKind::TopSolid, &plan.line_frame(FillKind::TopSolid, i));
             filling.out
         })
-        .collect()
+        .collect();
+    Filled { paths, bridges: bridges.into_iter().map(|[_, over_air]| over_air).collect() }
 }
 
 /// Some rings of every layer on the rows of `frame`. A layer like the one below shares its rows.

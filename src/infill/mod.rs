@@ -12,8 +12,10 @@ mod rectilinear;
 mod regions;
 mod skin;
 
-pub use layer::{FillLayer, fill};
+pub use bridge::Bridge;
+pub use layer::{FillLayer, Filled, fill};
 pub use plan::FillPlan;
+pub use skin::Level;
 
 use crate::lattice::Point2;
 

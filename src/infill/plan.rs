@@ -116,7 +116,7 @@ impl FillPlan {
     }
 
     /// The rows on which areas are compared: the solid lines' own, the same on all layers.
-    pub(super) fn area_frame(&self) -> RowFrame {
+    pub fn area_frame(&self) -> RowFrame {
         RowFrame::new(self.angle, 0.0, self.spacing[FillKind::Solid as usize])
     }
 

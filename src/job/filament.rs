@@ -8,20 +8,23 @@ use super::open::OpenContours;
 use super::part::{self, MeshOptions, Part, PartOptions};
 use super::progress::Progress;
 use super::summary::{FilamentSummary, Stopwatch, Summary};
+use super::{assemble, supports};
 use crate::contour::{ExPolygon, LayerContours, Ring};
 use crate::infill::FillLayer;
 use crate::lattice::{self, Point2};
 use crate::mesh::{self, Loaded, Placement};
-use crate::path::{LayerPlan, Planner, PrintIsland, PrintLayer, Role};
+use crate::path::{LayerPlan, Planner, PrintLayer, Role};
 use crate::region::offset::{Join, inset, outset};
 use crate::region::perimeters::WallPlan;
 use crate::region::{Island, areas, foot};
 use crate::settings::Settings;
 use crate::settings::flow::{Flow, FlowRole};
 use crate::slice::planes::{self, LayerZ};
+use crate::support::overhang::Modifiers;
+use crate::support::raft::{self, Heights};
 use crate::{gcode, infill, region, support};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What is to be done with a model.
 #[derive(Clone, Debug)]
@@ -38,6 +41,17 @@ pub struct FilamentJob<'a> {
     pub stem: String,
     /// The date in the file's head, seconds since 1970-01-01 UTC.
     pub date: i64,
+    /// Where supports are wanted and where not.
+    pub modifiers: ModifierFiles,
+}
+
+/// Meshes in the model's frame that say where supports go.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ModifierFiles {
+    /// What hangs in these is supported, however steep.
+    pub enforcers: Vec<PathBuf>,
+    /// What hangs in these is not supported.
+    pub blockers: Vec<PathBuf>,
 }
 
 /// A model whose layers are ready to be put in order and written.
@@ -100,10 +114,14 @@ fn plan_loaded(
 
     progress.stage("slicing");
     watch.stage("slice");
-    let layers = planes::of_mesh(&mesh, settings)
-        .map_err(|error| JobError::Planes { model: name.to_owned(), error })?;
+    let raft = Heights::new(settings);
+    // What concerns the first layer concerns the raft where there is one.
+    let on_raft = (!raft.layers.is_empty()).then(|| raft::part_settings(settings));
+    let own = on_raft.as_ref().unwrap_or(settings);
+    let mut layers =
+        planes::of_mesh(&mesh, own).map_err(|error| JobError::Planes { model: name.to_owned(), error })?;
     let planes = planes::plane_zs(&layers, mesh.origin[2]);
-    let options = job.mesh.trace_options(&settings.slicing);
+    let options = job.mesh.trace_options(&own.slicing);
     let traced = backend::contours(&mesh, &adjacency, &planes, &job.backend, &options)?;
     warnings.extend(traced.warning);
     let open_contours = OpenContours::new(&traced.layers, &layers, mesh.origin);
@@ -116,26 +134,32 @@ fn plan_loaded(
     progress.stage("walls");
     watch.stage("walls");
     let wall_plans: Vec<WallPlan> =
-        (0..).zip(&layers).map(|(i, z)| WallPlan::new(settings, lattice::mm(z.height), i == 0)).collect();
-    let areas = outlines(&traced.layers, wall_plans.first(), settings);
+        (0..).zip(&layers).map(|(i, z)| WallPlan::new(own, lattice::mm(z.height), i == 0)).collect();
+    let areas = outlines(&traced.layers, wall_plans.first(), own);
     drop(traced.layers);
     let islands = region::layers::all_walls(areas, &wall_plans);
     if islands.iter().flatten().all(|i| i.walls.is_empty() && i.beads.is_empty() && i.infill.is_empty()) {
-        let width_mm = WallPlan::new(settings, lattice::mm(layers[0].height), true).external_width as f64;
+        let width_mm = WallPlan::new(own, lattice::mm(layers[0].height), true).external_width as f64;
         return Err(JobError::Empty { model: name.to_owned(), width_mm: width_mm / lattice::NM_PER_MM });
     }
 
     progress.stage("infill");
     watch.stage("infill");
     let fill_plan = if settings.slicing.adaptive_layer_height {
-        infill::FillPlan::for_heights(settings, layers.iter().map(|l| l.height))
+        infill::FillPlan::for_heights(own, layers.iter().map(|l| l.height))
     } else {
-        infill::FillPlan::new(settings)
+        infill::FillPlan::new(own)
     };
-    let fills = infill::fill(&fill_layers(&islands, &layers), &fill_plan);
+    let filled = infill::fill(&fill_layers(&islands, &layers), &fill_plan);
+    layers.iter_mut().for_each(|l| l.print_z += raft.part_z);
+
+    progress.stage("supports");
+    watch.stage("supports");
+    let bridges = (&filled.bridges[..], &fill_plan.area_frame());
+    let supports = supports::supports(&islands, &layers, bridges, Modifiers::default(), settings);
     let skirt = skirt(&islands, &layers, settings);
     let print_z_mm = layers.last().map_or(0.0, |l| lattice::mm(l.print_z));
-    let layers = assemble(layers, islands, fills, &skirt, settings);
+    let layers = assemble::assemble(layers, islands, filled.paths, supports, &skirt, settings);
     let summary = Summary {
         model: name.to_owned(),
         output: String::new(),
@@ -269,26 +293,4 @@ fn outlines(
     // The first layer differs from the second by its compensation.
     let repeats = |i: usize| i > 1 && contours[i].rings == contours[i - 1].rings;
     region::layers::once_per_run(contours.len(), repeats, of_layer)
-}
-
-/// Brings what belongs to a layer together.
-fn assemble(
-    layers: Vec<LayerZ>,
-    islands: Vec<Vec<Island>>,
-    fills: Vec<Vec<Vec<infill::FillPath>>>,
-    skirt: &[Ring],
-    settings: &Settings,
-) -> Vec<PrintLayer> {
-    let with_skirt = settings.adhesion.skirt_height as usize;
-    type Parts = (Vec<Island>, Vec<Vec<infill::FillPath>>);
-    let join = |(i, (z, (islands, fills))): (usize, (LayerZ, Parts))| PrintLayer {
-        z,
-        islands: islands
-            .into_iter()
-            .zip(fills)
-            .map(|(island, fills)| PrintIsland { walls: island.walls, beads: island.beads, fills })
-            .collect(),
-        skirt: if i < with_skirt { skirt.to_vec() } else { Vec::new() },
-    };
-    layers.into_iter().zip(islands.into_iter().zip(fills)).enumerate().map(join).collect()
 }

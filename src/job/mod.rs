@@ -1,5 +1,6 @@
 //! Where the stages are chained.
 
+mod assemble;
 pub mod backend;
 pub mod contours;
 pub mod below;
@@ -15,6 +16,7 @@ pub mod part;
 pub mod progress;
 pub mod resin;
 pub mod summary;
+pub mod supports;
 pub mod toolpaths;
 
 pub use error::JobError;

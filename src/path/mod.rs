@@ -26,17 +26,26 @@ use crate::lattice::Point2;
 use crate::region::{Bead, Wall};
 use crate::settings::Settings;
 use crate::slice::planes::LayerZ;
+use crate::support::Strand;
 use std::ops::Range;
 
 /// What one layer prints, not yet in order.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PrintLayer {
-    /// Heights.
+    /// Heights. A layer of nothing but supports has `slice_z` 0.
     pub z: LayerZ,
     /// The connected areas.
     pub islands: Vec<PrintIsland>,
     /// Loops around the print, in printing order.
     pub skirt: Vec<Ring>,
+    /// The brim, in printing order.
+    pub brim: Vec<Strand>,
+    /// Supports or raft whose upper side is the layer's, in printing order.
+    pub supports: Vec<Strand>,
+    /// Thickness of these \[nm\], which may differ from the part's; 0 without any.
+    pub support_height: i32,
+    /// It is the part's first layer, and lies on a raft.
+    pub on_raft: bool,
 }
 
 /// What one connected area of a layer prints.

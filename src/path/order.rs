@@ -321,7 +321,7 @@ mod tests {
 
     fn layer(islands: Vec<PrintIsland>) -> PrintLayer {
         let z = LayerZ { slice_z: 100_000, print_z: 200_000, height: 200_000 };
-        PrintLayer { z, islands, skirt: Vec::new() }
+        PrintLayer { z, islands, ..PrintLayer::default() }
     }
 
     fn walls(rings: Vec<(Vec<Point2>, u32, bool)>) -> PrintIsland {

@@ -129,7 +129,9 @@ impl Role {
             Self::InternalInfill | Self::WipeTower | Self::Custom => FlowRole::Infill,
             Self::SolidInfill | Self::BridgeInfill => FlowRole::SolidInfill,
             Self::TopSolidInfill | Self::Ironing => FlowRole::TopSolidInfill,
-            Self::Skirt | Self::SupportMaterial | Self::SupportInterface => FlowRole::Skirt,
+            Self::Skirt => FlowRole::Skirt,
+            Self::SupportMaterial => FlowRole::Support,
+            Self::SupportInterface => FlowRole::SupportInterface,
         }
     }
 
@@ -159,6 +161,10 @@ impl Role {
             Self::InternalInfill | Self::WipeTower => speeds.infill_speed,
             Self::SolidInfill => solid,
             Self::TopSolidInfill | Self::Ironing => speeds.top_solid_infill_speed.of(solid),
+            Self::SupportMaterial => speeds.support_material_speed,
+            Self::SupportInterface => {
+                speeds.support_material_interface_speed.of(speeds.support_material_speed)
+            }
             _ => speeds.perimeter_speed,
         }
     }

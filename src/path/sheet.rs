@@ -180,7 +180,7 @@ mod tests {
         let layer = |(k, island): (i32, PrintIsland)| PrintLayer {
             z: LayerZ { slice_z: k * 200_000 + 100_000, print_z: (k + 1) * 200_000, height: 200_000 },
             islands: vec![island],
-            skirt: Vec::new(),
+            ..PrintLayer::default()
         };
         let layers: Vec<_> = (0..).zip(islands).map(layer).collect();
         plan(&layers, Point2::default(), settings)

@@ -22,8 +22,12 @@ pub enum FlowRole {
     SolidInfill,
     /// Topmost solid infill.
     TopSolidInfill,
-    /// Skirt.
+    /// Skirt and brim.
     Skirt,
+    /// Columns and branches of support, and rafts.
+    Support,
+    /// The dense layers of support.
+    SupportInterface,
 }
 
 /// Width and height of a bead \[mm\].
@@ -59,7 +63,7 @@ impl Flow {
     /// The flow of a role on a layer of `height` \[mm\]; `first` is true on the first layer.
     ///
     /// A width of 0 falls back to `extrusion_width` and then to a multiple of the nozzle's bore
-    /// (external 1.05, top 1.0, others 1.125), percentages are of the layer height: PrusaSlicer's rules.
+    /// (external 1.05, top and support 1.0, others 1.125), percentages are of the layer height: PrusaSlicer's rules.
     pub fn new(role: FlowRole, height: f64, first: bool, settings: &Settings) -> Self {
         let (w, nozzle) = (&settings.widths, settings.printer.nozzle_diameter);
         let own = match role {
@@ -68,16 +72,22 @@ impl Flow {
             FlowRole::Infill => w.infill_extrusion_width,
             FlowRole::SolidInfill => w.solid_infill_extrusion_width,
             FlowRole::TopSolidInfill => w.top_infill_extrusion_width,
+            FlowRole::Support | FlowRole::SupportInterface => w.support_material_extrusion_width,
         };
         let given = |v: FloatOrPercent| Some(v.of(height)).filter(|w| *w > 0.0);
         let auto = match role {
             FlowRole::ExternalPerimeter => 1.05 * nozzle,
-            FlowRole::TopSolidInfill => nozzle,
+            FlowRole::TopSolidInfill | FlowRole::Support | FlowRole::SupportInterface => nozzle,
             _ => 1.125 * nozzle,
         };
         let first_width = if first { given(w.first_layer_extrusion_width) } else { None };
         let width = first_width.or_else(|| given(own)).or_else(|| given(w.extrusion_width)).unwrap_or(auto);
-        Self { width, height, section: Section::Rounded }
+        let section = match role {
+            FlowRole::Support => scaled(settings.support.support_material_flow_ratio),
+            FlowRole::SupportInterface => scaled(settings.support.support_material_interface_flow_ratio),
+            _ => Section::Rounded,
+        };
+        Self { width, height, section }
     }
 
     /// The flow of a role where it bridges air: with `thick_bridges` a round thread whose section is the
@@ -117,6 +127,10 @@ impl Flow {
     pub fn spacing_nm(self) -> i64 {
         lattice::nm(self.spacing())
     }
+}
+
+fn scaled(ratio: f64) -> Section {
+    if ratio == 1.0 { Section::Rounded } else { Section::Scaled(ratio) }
 }
 
 #[cfg(test)]

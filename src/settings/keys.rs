@@ -3,7 +3,7 @@
 use super::assign::quote;
 use super::keys_resin::RESIN_KEYS;
 use super::kind::Kind::{
-    self, Choice, Count, Flag, LengthOrPixels, Number, NumberOrPercent, Percent, Points, Text,
+    self, Choice, Count, Flag, Integer, LengthOrPixels, Number, NumberOrPercent, Percent, Points, Text,
 };
 use super::kind::Stage;
 use super::kind::Technology;
@@ -150,6 +150,7 @@ registry! {
     Widths widths.infill_extrusion_width: WIDTH, "mm", "Line width of sparse infill; % of the layer height; 0 = automatic";
     Widths widths.solid_infill_extrusion_width: WIDTH, "mm", "Line width of solid infill; % of the layer height; 0 = automatic";
     Widths widths.top_infill_extrusion_width: WIDTH, "mm", "Line width of topmost solid infill; % of the layer height; 0 = automatic";
+    Widths widths.support_material_extrusion_width: WIDTH, "mm", "Line width of supports; % of the layer height; 0 = automatic";
 
     Perimeters perimeters.perimeters: Count(0, 1000), "", "Number of walls";
     Perimeters perimeters.external_perimeters_first: Flag, "", "Print the outermost wall before the inner ones";
@@ -182,10 +183,54 @@ registry! {
     Infill infill.bridge_flow_ratio: Number(0.01, 2.0), "", "Factor on the flow of bridges";
     Infill infill.thick_bridges: Flag, "", "Bridges are threads as thick as the nozzle's bore instead of lines of the layer's height";
 
+    Support support.support_material: Flag, "", "Make supports";
+    Support support.support_material_auto: Flag, "", "Find overhangs by their slope; 0 = only enforcers are supported";
+    Support support.support_material_threshold: Number(0.0, 90.0), "°", "Slopes flatter than this, measured from horizontal, are supported; 0 = what half a wall's width does not cover";
+    Support support.support_material_enforce_layers: Count(0, 5000), "layers", "Support everything over air on the first N layers";
+    Support support.support_material_buildplate_only: Flag, "", "Supports stand on the bed only, not on the part";
+    Support support.dont_support_bridges: Flag, "", "Leave bridges without support";
+    Support support.support_material_style: Choice(&["grid", "snug", "organic", "tree"], &[]), "", "Shape of supports: columns of whole cells, columns as large as the overhang, or branches (organic, tree)";
+    Support support.support_material_pattern: Choice(&["rectilinear", "rectilinear-grid", "honeycomb"], &[]), "", "Pattern of the columns";
+    Support support.support_material_spacing: Number(0.0, 100.0), "mm", "Clear distance between the lines of the columns";
+    Support support.support_material_angle: Number(0.0, 359.0), "°", "Direction of the columns' lines, counter-clockwise from +x";
+    Support support.support_material_with_sheath: Flag, "", "Put a line around each column";
+    Support support.support_material_closing_radius: Number(0.0, 100.0), "mm", "Gaps between columns up to twice this are closed; style snug only";
+    Support support.support_material_xy_spacing: NumberOrPercent(0.0, 10.0, 1000.0), "mm", "Clear distance to the part beside; % of an outer wall's width";
+    Support support.support_material_contact_distance: Number(0.0, 10.0), "mm", "Clear distance to the part above; 0 = supports of soluble material touch it";
+    Support support.support_material_bottom_contact_distance: Number(0.0, 10.0), "mm", "Clear distance to the part below; 0 = as above";
+    Support support.support_material_synchronize_layers: Flag, "", "Layers of support are those of the part, instead of as few as fit";
+    Support support.support_material_layer_height: Number(0.0, 10.0), "mm", "Greatest thickness of a layer of support; 0 = max_layer_height";
+    Support support.support_material_interface_layers: Count(0, 1000), "layers", "Dense layers under the part";
+    Support support.support_material_bottom_interface_layers: Integer(-1, 1000), "layers", "Dense layers on the part; -1 = as many as under it";
+    Support support.support_material_interface_pattern: Choice(&["auto", "rectilinear", "concentric"], &[]), "", "Pattern of the dense layers; auto = concentric where the support touches the part";
+    Support support.support_material_interface_spacing: Number(0.0, 100.0), "mm", "Clear distance between the lines of the dense layers; 0 = solid";
+    Support support.support_material_interface_contact_loops: Flag, "", "Put loops around the topmost dense layer";
+    Support support.support_material_flow_ratio: Number(0.1, 2.0), "", "Factor on the flow of columns and branches";
+    Support support.support_material_interface_flow_ratio: Number(0.1, 2.0), "", "Factor on the flow of the dense layers";
+    Support support.support_tree_angle: Number(0.0, 85.0), "°", "Greatest slope of a branch, measured from upright";
+    Support support.support_tree_angle_slow: Number(0.0, 85.0), "°", "Slope of a branch where nothing is in its way";
+    Support support.support_tree_branch_diameter: Number(0.1, 100.0), "mm", "Diameter of the thinnest branches but for their tips";
+    Support support.support_tree_branch_diameter_angle: Number(0.0, 15.0), "°", "Branches grow thicker downwards by twice this angle";
+    Support support.support_tree_branch_diameter_double_wall: Number(0.0, 1e4), "mm²", "Branches of this section and more have two walls; 0 = one wall always";
+    Support support.support_tree_branch_distance: Number(0.1, 100.0), "mm", "Distance between branches where they touch the part";
+    Support support.support_tree_tip_diameter: Number(0.1, 100.0), "mm", "Diameter of a branch's tip";
+    Support support.support_tree_top_rate: Percent(5.0, 35.0), "%", "Share of a supported area that tips touch";
+
     Adhesion adhesion.skirts: Count(0, 1000), "", "Loops around the print; 0 = none";
     Adhesion adhesion.skirt_distance: Number(0.0, 1000.0), "mm", "Distance between skirt and print";
     Adhesion adhesion.skirt_height: Count(0, 100_000), "layers", "Layers the skirt stands high";
     Adhesion adhesion.min_skirt_length: Number(0.0, 1e6), "mm", "Least filament extruded in the first layer's skirt; 0 = no minimum";
+    Adhesion adhesion.draft_shield: Choice(&["disabled", "limited", "enabled"], &[]), "", "The skirt stands as high as the print (enabled) or skirt_height (limited) and keeps draughts off";
+    Adhesion adhesion.brim_width: Number(0.0, 200.0), "mm", "Width of the brim on the first layer; 0 = none";
+    Adhesion adhesion.brim_type: Choice(&["no_brim", "outer_only", "inner_only", "outer_and_inner"], &[]), "", "Where the brim lies";
+    Adhesion adhesion.brim_separation: Number(0.0, 10.0), "mm", "Distance between brim and part";
+    Adhesion adhesion.brim_ears: Flag, "", "The brim is a disc of its width at each sharp corner only";
+    Adhesion adhesion.brim_ears_max_angle: Number(0.0, 180.0), "°", "Corners up to this angle get an ear";
+    Adhesion adhesion.raft_layers: Count(0, 1000), "layers", "Layers of raft under the part; 0 = none";
+    Adhesion adhesion.raft_contact_distance: Number(0.0, 10.0), "mm", "Clear distance between raft and part";
+    Adhesion adhesion.raft_expansion: Number(0.0, 100.0), "mm", "How far the raft reaches beyond the part";
+    Adhesion adhesion.raft_first_layer_density: Percent(10.0, 100.0), "%", "Density of the first layer of raft and supports";
+    Adhesion adhesion.raft_first_layer_expansion: Number(0.0, 100.0), "mm", "How much wider the first layer of raft and supports is";
 
     Speed speed.perimeter_speed: SPEED, "mm/s", "Speed of inner walls";
     Speed speed.external_perimeter_speed: SPEED_OF, "mm/s", "Speed of the outermost wall; % of perimeter_speed";
@@ -196,6 +241,9 @@ registry! {
     Speed speed.first_layer_speed: SPEED_OF, "mm/s", "Speed of the first layer; % of each line's own speed";
     Speed speed.bridge_speed: SPEED, "mm/s", "Speed of bridges and of walls over air";
     Speed speed.gap_fill_speed: SPEED, "mm/s", "Speed of gap fill";
+    Speed speed.support_material_speed: SPEED, "mm/s", "Speed of supports";
+    Speed speed.support_material_interface_speed: SPEED_OF, "mm/s", "Speed of the dense layers of supports; % of support_material_speed";
+    Speed speed.first_layer_speed_over_raft: SPEED_OF, "mm/s", "Speed of the part's first layer on a raft; % of each line's own speed";
     Speed speed.travel_speed: SPEED, "mm/s", "Speed of moves without extrusion";
     Speed speed.travel_speed_z: SPEED, "mm/s", "Speed of vertical moves; 0 = travel_speed";
     Speed speed.max_volumetric_speed: Number(0.0, 10_000.0), "mm³/s", "Limit of volumetric flow; 0 = none";

@@ -14,7 +14,9 @@ pub enum Stage {
     Perimeters,
     /// Skins and infill.
     Infill,
-    /// Skirt.
+    /// Supports.
+    Support,
+    /// Skirt, brim and raft.
     Adhesion,
     /// Feed rates.
     Speed,
@@ -64,11 +66,12 @@ impl Technology {
 
 impl Stage {
     /// All stages, in the order of the pipeline, those of resin alone last.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Slicing,
         Self::Widths,
         Self::Perimeters,
         Self::Infill,
+        Self::Support,
         Self::Adhesion,
         Self::Speed,
         Self::Retraction,
@@ -90,6 +93,7 @@ impl Stage {
             Self::Widths => "widths",
             Self::Perimeters => "perimeters",
             Self::Infill => "infill",
+            Self::Support => "support",
             Self::Adhesion => "adhesion",
             Self::Speed => "speed",
             Self::Retraction => "retraction",
@@ -112,7 +116,8 @@ impl Stage {
             Self::Widths => "Line width settings",
             Self::Perimeters => "Perimeter settings",
             Self::Infill => "Infill settings",
-            Self::Adhesion => "Skirt settings",
+            Self::Support => "Support settings",
+            Self::Adhesion => "Skirt, brim and raft settings",
             Self::Speed => "Speed settings",
             Self::Retraction => "Retraction settings",
             Self::Cooling => "Cooling settings",
@@ -135,6 +140,8 @@ pub enum Kind {
     Flag,
     /// A whole number.
     Count(u32, u32),
+    /// A whole number that may be negative.
+    Integer(i32, i32),
     /// A number.
     Number(f64, f64),
     /// A percentage, `20%`; the sign may be left out.
@@ -158,6 +165,7 @@ impl Kind {
         match *self {
             Self::Flag => "0 or 1".to_owned(),
             Self::Count(min, max) => format!("a whole number{of} from {min} to {max}"),
+            Self::Integer(min, max) => format!("a whole number{of} from {min} to {max}"),
             Self::Number(min, max) => format!("a number{of} from {min} to {max}"),
             Self::Percent(min, max) => format!("a percentage from {min}% to {max}%"),
             Self::NumberOrPercent(min, max, percent) => {
@@ -181,6 +189,7 @@ impl fmt::Display for Kind {
         match *self {
             Self::Flag => write!(f, "0, 1"),
             Self::Count(min, max) => write!(f, "{min}..{max}"),
+            Self::Integer(min, max) => write!(f, "{min}..{max}"),
             Self::Number(min, max) => write!(f, "{min}..{max}"),
             Self::Percent(min, max) => write!(f, "{min}%..{max}%"),
             Self::NumberOrPercent(min, max, percent) => write!(f, "{min}..{max} or ..{percent}%"),

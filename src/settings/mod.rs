@@ -21,6 +21,7 @@ mod toml;
 pub mod types;
 mod types_part;
 mod types_resin;
+mod types_support;
 mod validate;
 mod validate_resin;
 mod value;
@@ -34,6 +35,7 @@ pub use load::{LoadReport, SettingsError, load_bytes, load_file};
 pub use types::*;
 pub use types_part::*;
 pub use types_resin::*;
+pub use types_support::*;
 pub use validate::Invalid;
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ fn other(key: &Key, technology: PrinterTechnology) -> String {
     match (key.name, key.kind) {
         ("printer_technology", _) => default,
         (_, Kind::Flag) => if default == "1" { "0" } else { "1" }.to_owned(),
-        (_, Kind::Count(..)) => "17".to_owned(),
+        (_, Kind::Count(..) | Kind::Integer(..)) => "17".to_owned(),
         (_, Kind::Number(..)) => if default == "0.75" { "0.5" } else { "0.75" }.to_owned(),
         (_, Kind::Percent(..)) => "12.5%".to_owned(),
         (_, Kind::NumberOrPercent(..)) => "35.5%".to_owned(),
@@ -247,13 +247,13 @@ fn bad_values_say_what_is_allowed() {
 #[test]
 fn an_ini_is_counted_in_three_classes() {
     let text = "\u{feff}# written by hand\r\n; another comment\r\nprinter_technology = FFF\r\n\
-                nozzle_diameter = 0.4,0.6\r\nlayer_height=0.15\r\nfill_pattern = gyroid\r\nsupport_material = 1\r\n\
-                brim_width = 0\r\nsupport_material_spacing = 2.5\r\nmade_up_key = 7\r\nlayer_hight = 3\r\n\
+                nozzle_diameter = 0.4,0.6\r\nlayer_height=0.15\r\nfill_pattern = gyroid\r\nfuzzy_skin = all\r\n\
+                wipe = 0\r\nfuzzy_skin_thickness = 0.3\r\nmade_up_key = 7\r\nlayer_hight = 3\r\n\
                 \r\nstart_gcode = G28 ; a = b\\nG1 Z5\\n\r\n";
     let (s, report) = load("dir/b.ini", text).unwrap();
     assert_eq!(report.applied, 5);
     let keys = |list: &[(usize, String)]| list.iter().map(|(l, k)| format!("{l} {k}")).collect::<Vec<_>>();
-    assert_eq!(keys(&report.ignored), ["7 support_material", "8 brim_width", "9 support_material_spacing"]);
+    assert_eq!(keys(&report.ignored), ["7 fuzzy_skin", "8 wipe", "9 fuzzy_skin_thickness"]);
     assert_eq!(keys(&report.unknown), ["10 made_up_key", "11 layer_hight"]);
     let warnings: Vec<_> = report.warnings.iter().map(ToString::to_string).collect();
     assert_eq!(
@@ -261,7 +261,7 @@ fn an_ini_is_counted_in_three_classes() {
         [
             "dir/b.ini:4: nozzle_diameter = 0.4,0.6: only the first extruder's value, 0.4, is used",
             "dir/b.ini:6: fill_pattern = gyroid: not supported yet; rectilinear is used",
-            "dir/b.ini:7: support_material = 1: not supported yet, so it has no effect",
+            "dir/b.ini:7: fuzzy_skin = all: not supported yet, so it has no effect",
             "dir/b.ini:11: layer_hight = 3: no such setting; did you mean layer_height?",
         ]
     );

@@ -24,6 +24,7 @@ use super::types_resin::{
     DisplaySettings, ExposureSettings, ImageSettings, LengthOrPixels, LiftSettings, MachineSettings,
     MaterialSettings,
 };
+use super::types_support::{AdhesionSettings, SupportSettings};
 use FloatOrPercent::{Float, Percent};
 
 /// Everything a job needs to know, one part per stage. A filament job reads those down to `output`, a
@@ -38,7 +39,9 @@ pub struct Settings {
     pub perimeters: PerimeterSettings,
     /// Skins and infill.
     pub infill: InfillSettings,
-    /// Skirt.
+    /// Supports.
+    pub support: SupportSettings,
+    /// Skirt, brim and raft.
     pub adhesion: AdhesionSettings,
     /// Feed rates.
     pub speed: SpeedSettings,
@@ -126,6 +129,8 @@ pub struct WidthSettings {
     pub solid_infill_extrusion_width: FloatOrPercent,
     /// Topmost solid infill.
     pub top_infill_extrusion_width: FloatOrPercent,
+    /// Supports, skirt-like loops excepted.
+    pub support_material_extrusion_width: FloatOrPercent,
 }
 
 impl Default for WidthSettings {
@@ -139,26 +144,8 @@ impl Default for WidthSettings {
             infill_extrusion_width: auto,
             solid_infill_extrusion_width: auto,
             top_infill_extrusion_width: auto,
+            support_material_extrusion_width: auto,
         }
-    }
-}
-
-/// Skirt.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AdhesionSettings {
-    /// Loops around the print; 0 = none.
-    pub skirts: u32,
-    /// Distance between skirt and print \[mm\].
-    pub skirt_distance: f64,
-    /// Layers the skirt stands high.
-    pub skirt_height: u32,
-    /// Least filament extruded in the first layer's skirt \[mm\]; 0 = no minimum.
-    pub min_skirt_length: f64,
-}
-
-impl Default for AdhesionSettings {
-    fn default() -> Self {
-        Self { skirts: 1, skirt_distance: 6.0, skirt_height: 1, min_skirt_length: 0.0 }
     }
 }
 
@@ -183,6 +170,12 @@ pub struct SpeedSettings {
     pub bridge_speed: f64,
     /// Gap fill.
     pub gap_fill_speed: f64,
+    /// Support.
+    pub support_material_speed: f64,
+    /// Dense layers of support; % of `support_material_speed`.
+    pub support_material_interface_speed: FloatOrPercent,
+    /// The part's first layer on a raft: an absolute speed, or % of each line's own.
+    pub first_layer_speed_over_raft: FloatOrPercent,
     /// Moves without extrusion.
     pub travel_speed: f64,
     /// Vertical moves; 0 = `travel_speed`.
@@ -203,6 +196,9 @@ impl Default for SpeedSettings {
             first_layer_speed: Float(30.0),
             bridge_speed: 60.0,
             gap_fill_speed: 20.0,
+            support_material_speed: 60.0,
+            support_material_interface_speed: Percent(100.0),
+            first_layer_speed_over_raft: Float(30.0),
             travel_speed: 130.0,
             travel_speed_z: 0.0,
             max_volumetric_speed: 0.0,

@@ -4,6 +4,7 @@ use super::kind::Kind;
 use super::types::{FloatOrPercent, GcodeFlavor, PrinterTechnology};
 use super::types_part::{FillPattern, OnePerimeter, SeamPosition, VerticalShell};
 use super::types_resin::{ContainerFormat, DisplayOrientation, LengthOrPixels};
+use super::types_support::{BrimType, DraftShield, InterfacePattern, SupportPattern, SupportStyle};
 
 /// Why a text is not a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -109,6 +110,24 @@ impl Value for u32 {
             return Err("is not a whole number".into());
         }
         // In range, hence exact.
+        Ok(within(v, f64::from(min), f64::from(max))? as Self)
+    }
+
+    fn write(&self, _: &Kind) -> String {
+        self.to_string()
+    }
+}
+
+impl Value for i32 {
+    fn read(text: &str, kind: &Kind) -> Result<Self, Problem> {
+        let (min, max) = match *kind {
+            Kind::Integer(min, max) => (min, max),
+            _ => (Self::MIN, Self::MAX),
+        };
+        let v = finite(text)?;
+        if v != v.trunc() {
+            return Err("is not a whole number".into());
+        }
         Ok(within(v, f64::from(min), f64::from(max))? as Self)
     }
 
@@ -233,6 +252,10 @@ named!(OnePerimeter: None = "none", Top = "top", Topmost = "topmost");
 named!(FillPattern: Rectilinear = "rectilinear", Monotonic = "monotonic", MonotonicLines = "monotoniclines",
     AlignedRectilinear = "alignedrectilinear", Line = "line", ZigZag = "zigzag", Grid = "grid", Triangles = "triangles",
     Stars = "stars", Cubic = "cubic", Honeycomb = "honeycomb");
+named!(SupportPattern: Rectilinear = "rectilinear", RectilinearGrid = "rectilinear-grid", Honeycomb = "honeycomb");
+named!(InterfacePattern: Auto = "auto", Rectilinear = "rectilinear", Concentric = "concentric");
+named!(BrimType: NoBrim = "no_brim", OuterOnly = "outer_only", InnerOnly = "inner_only",
+    OuterAndInner = "outer_and_inner");
 named!(GcodeFlavor: Reprap = "reprap", Reprapfirmware = "reprapfirmware", Marlin = "marlin", Marlin2 = "marlin2",
     Klipper = "klipper");
 
@@ -254,6 +277,48 @@ impl Value for VerticalShell {
         match self {
             Self::Disabled => "disabled",
             Self::Partial => "partial",
+            Self::Enabled => "enabled",
+        }
+        .to_owned()
+    }
+}
+
+/// PrusaSlicer's two kinds of tree are one here.
+impl Value for SupportStyle {
+    fn read(text: &str, _: &Kind) -> Result<Self, Problem> {
+        match text {
+            "grid" => Ok(Self::Grid),
+            "snug" => Ok(Self::Snug),
+            "organic" | "tree" => Ok(Self::Organic),
+            _ => Err("is not a choice here".into()),
+        }
+    }
+
+    fn write(&self, _: &Kind) -> String {
+        match self {
+            Self::Grid => "grid",
+            Self::Snug => "snug",
+            Self::Organic => "organic",
+        }
+        .to_owned()
+    }
+}
+
+/// A flag up to PrusaSlicer 2.4, a choice since 2.5.
+impl Value for DraftShield {
+    fn read(text: &str, _: &Kind) -> Result<Self, Problem> {
+        match text {
+            "disabled" | "0" => Ok(Self::Disabled),
+            "limited" => Ok(Self::Limited),
+            "enabled" | "1" => Ok(Self::Enabled),
+            _ => Err("is not a choice here".into()),
+        }
+    }
+
+    fn write(&self, _: &Kind) -> String {
+        match self {
+            Self::Disabled => "disabled",
+            Self::Limited => "limited",
             Self::Enabled => "enabled",
         }
         .to_owned()

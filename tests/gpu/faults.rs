@@ -94,6 +94,7 @@ fn gcode(bench: &Bench) -> Result<(), Failed> {
             backend,
             stem: "ball".to_owned(),
             date: 0,
+            modifiers: Default::default(),
         };
         let mesh = shapes::sphere(12.0, 40, 30);
         let facets = mesh.triangles.len() as u64;

@@ -43,6 +43,7 @@ fn job(settings: &Settings) -> FilamentJob<'_> {
         backend: BackendOptions::new(Backend::Cpu, None, None),
         stem: "part".to_owned(),
         date: 0,
+        modifiers: Default::default(),
     }
 }
 

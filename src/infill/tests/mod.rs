@@ -15,6 +15,11 @@ use crate::lattice::mm;
 use crate::region::Island;
 use shapes::*;
 
+/// The paths of all layers.
+fn fill(layers: &[FillLayer], plan: &FillPlan) -> Vec<Vec<Vec<FillPath>>> {
+    super::fill(layers, plan).paths
+}
+
 /// Length of all paths of a kind \[mm\].
 fn length(paths: &[FillPath], kind: FillKind) -> f64 {
     let of = |p: &FillPath| p.points.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>() * 1e-6;

@@ -9,7 +9,7 @@ use crate::settings::{Settings, SlicingSettings};
 use thiserror::Error;
 
 /// One layer of the print; heights above the bed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LayerZ {
     /// Height of the cutting plane, the layer's middle \[nm\].
     pub slice_z: i32,

@@ -1,0 +1,1 @@
+//! What is supported, and what it costs.
