@@ -393,8 +393,7 @@ mod tests {
     #[test]
     fn files_then_flags_then_set() {
         let file = tempfile::Builder::new().suffix(".ini").tempfile().unwrap();
-        std::fs::write(file.path(), "perimeters = 5\nskirts = 5\ninfill_speed = 55\nwipe = 1\n")
-            .unwrap();
+        std::fs::write(file.path(), "perimeters = 5\nskirts = 5\ninfill_speed = 55\nwipe = 1\n").unwrap();
         let path = file.path().to_str().unwrap();
         let (s, report, _) =
             apply_line(&["--set", "perimeters=7", "--perimeters=6", "--skirts=6", "--load", path]).unwrap();

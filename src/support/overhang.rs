@@ -2,7 +2,10 @@
 
 use super::{Part, SupportPlan};
 use crate::infill::Bridge;
+use crate::span::algebra::{and, sub};
+use crate::span::morph::dilate_disc;
 use crate::span::{RowFrame, Rows};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// What of one layer hangs.
@@ -36,6 +39,28 @@ pub struct Bridges<'a> {
 
 /// What hangs on each layer. Length = layers.
 pub fn overhangs(part: Part, modifiers: Modifiers, bridges: Bridges, plan: &SupportPlan) -> Vec<Overhang> {
-    let _ = (modifiers, bridges, plan);
-    vec![Overhang::default(); part.outlines.len()]
+    let _ = (modifiers, bridges);
+    (0..part.outlines.len()).into_par_iter().map(|i| overhang(part, i, plan)).collect()
+}
+
+fn overhang(part: Part, i: usize, plan: &SupportPlan) -> Overhang {
+    let Some(below) = i.checked_sub(1).map(|b| &part.outlines[b]) else { return Overhang::default() };
+    let own = &part.outlines[i];
+    if Arc::ptr_eq(own, below) || !plan.auto {
+        return Overhang::default();
+    }
+    let beyond = sub(own, below);
+    let reach = part.frame.units(reach(part, i, plan));
+    let t = |k| part.frame.t(k);
+    let far = sub(&beyond, &dilate_disc(below, reach, t));
+    let area = and(&beyond, &dilate_disc(&far, reach + part.frame.pitch(), t));
+    Overhang { area, ..Overhang::default() }
+}
+
+/// How far layer `i` may reach over the one below it \[nm\].
+fn reach(part: Part, i: usize, plan: &SupportPlan) -> f64 {
+    let (own, below) = (part.levels[i], part.levels[i - 1]);
+    // From one cutting plane to the next.
+    let rise = 0.5 * (own.top + own.bottom - below.top - below.bottom) as f64;
+    plan.threshold.map_or(plan.half_wall, |degrees| rise / libm::tan(degrees.to_radians()))
 }
