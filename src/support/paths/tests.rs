@@ -291,8 +291,9 @@ fn lines_stay_inside_and_every_part_has_some() {
         let has_room = |share: f64, part: &ExPolygon| {
             !inset(std::slice::from_ref(part), (share * plan.width) as i64).is_empty()
         };
-        let thin = outlines(&area, &plan.frame, 0.0).iter().any(|part| !has_room(0.5, part));
         let half = and(&area, &block(-200, 200, (-90_000_000, 0)));
+        let parts = [&area, &half, &sub(&area, &half)].map(|rows| outlines(rows, &plan.frame, 0.0)).concat();
+        let thin = parts.iter().any(|part| !has_room(0.5, part));
         let kinds = [LayerKind::Columns, LayerKind::Branches, LayerKind::RaftBase, LayerKind::RaftInterface];
         for kind in kinds {
             for (base, interface) in [(area.clone(), Rows::default()), (Rows::default(), area.clone())] {
