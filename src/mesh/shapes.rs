@@ -200,6 +200,63 @@ pub fn holed_plate(
     from_points(&points, triangles)
 }
 
+/// A T, standing: a stem of 10 mm and a bar of 50 mm on it, 20 mm deep and 26 mm high.
+pub fn tee() -> Mesh {
+    let outline = [
+        [-5.0, 0.0],
+        [5.0, 0.0],
+        [5.0, 20.0],
+        [25.0, 20.0],
+        [25.0, 26.0],
+        [-25.0, 26.0],
+        [-25.0, 20.0],
+        [-5.0, 20.0],
+    ];
+    standing(&outline, 20.0)
+}
+
+/// A round arch, standing: two feet of 6 mm, an opening of 40 mm, 26 mm high and 15 mm deep.
+pub fn arch() -> Mesh {
+    let steps = 48;
+    let opening = (0..=steps).rev().map(|i| {
+        let angle = TAU / 2.0 * f64::from(i) / f64::from(steps);
+        [20.0 * libm::cos(angle), 20.0 * libm::sin(angle)]
+    });
+    let mut outline = vec![[-26.0, 26.0], [-26.0, 0.0]];
+    outline.extend(opening);
+    outline.extend([[26.0, 0.0], [26.0, 26.0]]);
+    standing(&outline, 15.0)
+}
+
+/// A spiral stair: `steps` steps, each 3 mm higher than the one before, around a column of 10 mm.
+/// Shells that overlap.
+pub fn stair(steps: usize) -> Mesh {
+    let mut parts = vec![cylinder(5.0, 3.0 * steps as f64 + 3.0, 64)];
+    let turn = TAU / steps.max(1) as f64;
+    for k in 0..steps {
+        let from = turn * k as f64;
+        let arc = |r: f64, i: usize| {
+            let angle = from + 1.2 * turn * i as f64 / 6.0;
+            [r * libm::cos(angle), r * libm::sin(angle)]
+        };
+        let outline: Vec<_> =
+            (0..=6).map(|i| arc(20.0, i)).chain((0..=6).rev().map(|i| arc(4.5, i))).collect();
+        let z = 3.0 * k as f64;
+        parts.push(prism(&outline, z, z + 3.0));
+    }
+    merge(&parts)
+}
+
+/// A blunt cone on its tip: radius `tip` on the bed, `radius` at `height`.
+pub fn cone_down(tip: f64, radius: f64, height: f64, around: usize) -> Mesh {
+    revolve(&[[0.0, 0.0], [tip, 0.0], [radius, height], [0.0, height]], around)
+}
+
+/// An outline in x and z, counter-clockwise seen from the front (-y), from y = 0 to `depth`.
+fn standing(outline: &[[f64; 2]], depth: f64) -> Mesh {
+    moved(upright(&prism(outline, 0.0, depth)), [0.0, depth, 0.0])
+}
+
 /// Upright: x stays, height becomes depth (y), depth becomes height (z). A prism drawn in x, z and
 /// extruded along y is drawn in x, y and then turned. Keeps the outside outside.
 pub fn upright(mesh: &Mesh) -> Mesh {
@@ -297,6 +354,9 @@ mod tests {
             ("cone", cone(5.0, 9.0, 300), TAU / 2.0 * 25.0 * 3.0),
             ("fan", fan(600), TAU / 2.0 * 2500.0 * 10.0 / 3.0),
             ("torus", torus(10.0, 2.0, 200, 100), TAU * 10.0 * TAU / 2.0 * 4.0),
+            ("tee", tee(), 20.0 * (200.0 + 300.0)),
+            ("arch", arch(), 15.0 * (52.0 * 26.0 - TAU / 4.0 * 400.0)),
+            ("blunt cone", cone_down(3.0, 22.0, 15.0, 300), TAU / 2.0 * 5.0 * (9.0 + 66.0 + 484.0)),
             ("plate", holed_plate([0.0, 0.0], [9.0, 5.0], [3.0, 2.0], 1.0, 200, [0.0, 2.0]), 90.0 - TAU),
         ];
         for (name, mesh, volume) in shapes {

@@ -15,6 +15,8 @@ mod sheet;
 mod simplify;
 pub mod speed;
 #[cfg(test)]
+mod support_tests;
+#[cfg(test)]
 pub(crate) mod testing;
 
 pub use order::Planner;
@@ -48,6 +50,13 @@ pub struct PrintLayer {
     pub support_height: i32,
     /// It is the part's first layer, and lies on a raft.
     pub on_raft: bool,
+}
+
+impl PrintLayer {
+    /// It is a layer of nothing but supports or raft, none of the part's.
+    pub fn is_beside(&self) -> bool {
+        self.z.slice_z == 0 && self.islands.is_empty() && !self.supports.is_empty()
+    }
 }
 
 /// What one connected area of a layer prints.
