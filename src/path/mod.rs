@@ -40,6 +40,8 @@ pub struct PrintLayer {
     pub islands: Vec<PrintIsland>,
     /// Loops around the print, in printing order.
     pub skirt: Vec<Ring>,
+    /// Thickness of these \[nm\], which is more than the layer's where it hangs above a raft; 0 without any.
+    pub skirt_height: i32,
     /// The brim, in printing order.
     pub brim: Vec<Strand>,
     /// Supports or raft whose upper side is the layer's, in printing order.
