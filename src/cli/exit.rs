@@ -95,6 +95,7 @@ impl CliError {
             Self::Job(e) | Self::Bench(BenchError::Job(e)) => match e {
                 JobError::Mesh(_)
                 | JobError::Place { .. }
+                | JobError::TooHighOnRaft { .. }
                 | JobError::Plate(_)
                 | JobError::OffPanel { .. }
                 | JobError::Section(_)

@@ -44,6 +44,8 @@ pub struct BridgePlan {
     pub anchor: f64,
     /// The direction of all bridges over air, if it is not to be measured \[degrees\].
     pub degrees: Option<f64>,
+    /// Bridges span air, not only sparse infill; false where supports touch what they hold.
+    pub over_air: bool,
 }
 
 impl BridgePlan {
@@ -51,7 +53,8 @@ impl BridgePlan {
     pub fn new(settings: &Settings) -> Self {
         let i = &settings.infill;
         let degrees = Some(i.bridge_angle).filter(|a| *a > 0.0);
-        Self { anchor: nm(i.external_infill_margin) as f64, degrees }
+        let over_air = !settings.has_soluble_supports();
+        Self { anchor: nm(i.external_infill_margin) as f64, degrees, over_air }
     }
 }
 

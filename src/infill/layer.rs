@@ -142,7 +142,8 @@ fn bridges(
                 return [internal, Vec::new()];
             }
             let below = i.checked_sub(1).and_then(|b| outlines.get(b));
-            let found = below.zip(plan.bridges).map_or_else(Vec::new, |(below, rules)| {
+            let rules = plan.bridges.filter(|rules| rules.over_air);
+            let found = below.zip(rules).map_or_else(Vec::new, |(below, rules)| {
                 by_direction(over_air(
                     &own[i],
                     &bottom,

@@ -1,15 +1,15 @@
 //! Skins and infill patterns.
 
-mod anchor;
-mod border;
+pub(crate) mod anchor;
+pub(crate) mod border;
 mod bridge;
 mod combine;
 mod layer;
 mod onto;
-mod patterns;
+pub(crate) mod patterns;
 pub mod plan;
-mod rectilinear;
-mod regions;
+pub(crate) mod rectilinear;
+pub(crate) mod regions;
 mod skin;
 
 pub use bridge::Bridge;

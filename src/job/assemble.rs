@@ -1,5 +1,6 @@
 //! What belongs to a layer, brought together.
 
+use super::adhesion;
 use super::supports::Supports;
 use crate::contour::Ring;
 use crate::infill::FillPath;
@@ -20,6 +21,8 @@ pub fn assemble(
     settings: &Settings,
 ) -> Vec<PrintLayer> {
     let raft = settings.adhesion.raft_layers > 0;
+    let raft_layers = (settings.adhesion.raft_layers as usize).min(supports.layers.len());
+    let raft_top = supports.layers[..raft_layers].last().map_or(0, |l| l.print_z);
     let mut part =
         z.into_iter().zip(islands.into_iter().zip(fills)).enumerate().map(|(i, (z, own))| PrintLayer {
             z,
@@ -50,8 +53,7 @@ pub fn assemble(
     }
     layers.extend(next);
     layers.extend(part);
-    let high = settings.adhesion.skirt_height as usize;
-    layers.iter_mut().take(high).for_each(|l| l.skirt = skirt.to_vec());
+    adhesion::lay_skirt(&mut layers, skirt, raft_top, settings);
     if let Some(first) = layers.first_mut() {
         first.brim = supports.brim;
     }

@@ -29,6 +29,20 @@ pub enum JobError {
         /// What does not fit.
         error: PlaceError,
     },
+    /// The model fits the printer, but not on its raft.
+    #[error(
+        "{model}: on its raft of {raft_mm:.2} mm the part reaches {height:.2} mm, max_print_height is {limit:.2} mm; set fewer raft_layers, scale, turn or split the part, or set max_print_height (0 = unlimited)"
+    )]
+    TooHighOnRaft {
+        /// The model.
+        model: String,
+        /// Height of its top above the bed \[mm\].
+        height: f64,
+        /// Height of the raft with the gap above it \[mm\].
+        raft_mm: f64,
+        /// The printer's \[mm\].
+        limit: f64,
+    },
     /// The models do not fit the plate together.
     #[error("{0}")]
     Plate(PlaceError),

@@ -10,21 +10,20 @@ use super::part::{self, MeshOptions, Part, PartOptions};
 use super::progress::Progress;
 use super::summary::{FilamentSummary, Stopwatch, Summary};
 use super::support_report::{Subject, SupportRecord, SupportWish};
-use super::{assemble, support_report, supports};
-use crate::contour::{ExPolygon, LayerContours, Ring, TraceOptions};
+use super::{adhesion, assemble, support_report, supports};
+use crate::contour::{ExPolygon, LayerContours, TraceOptions};
 use crate::infill::FillLayer;
 use crate::lattice::{self, Point2};
-use crate::mesh::{self, Loaded, Placement};
+use crate::mesh::{self, Loaded, Mesh, Placement};
 use crate::path::{LayerPlan, Planner, PrintLayer, Role};
 use crate::region::offset::{Join, inset, outset};
 use crate::region::perimeters::WallPlan;
 use crate::region::{Island, areas, foot};
 use crate::settings::Settings;
-use crate::settings::flow::{Flow, FlowRole};
 use crate::slice::planes::{self, LayerZ};
 use crate::support::SupportPlan;
 use crate::support::raft::{self, Heights};
-use crate::{gcode, infill, region, support};
+use crate::{gcode, infill, region};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -135,6 +134,7 @@ fn plan_loaded(
     let settings = job.settings;
     let file_origin = loaded.mesh.origin;
     let mut warnings: Vec<String> = settings.validate()?.iter().map(ToString::to_string).collect();
+    warnings.extend(nothing_supported(job));
     let options = PartOptions {
         printer: &settings.printer,
         placement: job.placement,
@@ -145,10 +145,11 @@ fn plan_loaded(
     let part = part::prepare(loaded, name, &options, progress, &mut watch)?;
     let Part { mesh, adjacency, summary: mesh_summary, warnings: found } = part;
     warnings.extend(found);
+    let raft = Heights::new(settings);
+    fits_on_raft(&mesh, &raft, settings, name)?;
 
     progress.stage("slicing");
     watch.stage("slice");
-    let raft = Heights::new(settings);
     // What concerns the first layer concerns the raft where there is one.
     let on_raft = (!raft.layers.is_empty()).then(|| raft::part_settings(settings));
     let own = on_raft.as_ref().unwrap_or(settings);
@@ -193,14 +194,18 @@ fn plan_loaded(
     let bridges = (&filled.bridges[..], &fill_plan.area_frame());
     let make =
         |settings: &Settings| supports::supports(&islands, &layers, bridges, modifiers.modifiers(), settings);
-    let supports = make(settings);
+    let mut beside = make(settings);
     let subject = Subject { name, origin, settings, make: &make };
-    let in_air = support_report::check(&supports, &subject);
+    let in_air = support_report::check(&beside, &subject);
     warnings.extend(in_air.as_ref().and_then(|found| support_report::warning(found, &subject)));
-    let record = support_report::record(&supports, wish, &subject);
-    let skirt = skirt(&islands, &layers, settings);
+    let record = support_report::record(&beside, wish, &subject);
+    let (skirt, brim) = adhesion::skirt_and_brim(&islands, &layers, &beside, settings);
+    beside.brim = brim;
+    warnings.extend(
+        adhesion::beyond_bed(&skirt, &beside, origin, settings).map(|what| format!("{name}: {what}")),
+    );
     let print_z_mm = layers.last().map_or(0.0, |l| lattice::mm(l.print_z));
-    let layers = assemble::assemble(layers, islands, filled.paths, supports, &skirt, settings);
+    let layers = assemble::assemble(layers, islands, filled.paths, beside, &skirt, settings);
     let summary = Summary {
         model: name.to_owned(),
         output: String::new(),
@@ -273,6 +278,30 @@ pub(super) fn home(origin: [i64; 3]) -> Point2 {
     Point2::new(clamped(-origin[0]), clamped(-origin[1]))
 }
 
+/// Checks that a part on a raft stays under the printer's ceiling.
+fn fits_on_raft(mesh: &Mesh, raft: &Heights, settings: &Settings, name: &str) -> Result<(), JobError> {
+    let limit = settings.printer.max_print_height;
+    let top = mesh.world_bounds().map_or(0, |[_, high]| high[2]);
+    let (raft_mm, height) = (lattice::mm(raft.part_z), lattice::mm(top) + lattice::mm(raft.part_z));
+    if raft.part_z > 0 && limit > 0.0 && height > limit + 0.01 {
+        return Err(JobError::TooHighOnRaft { model: name.to_owned(), height, raft_mm, limit });
+    }
+    Ok(())
+}
+
+/// A warning when supports are wanted, but neither slopes nor enforcers nor first layers are.
+fn nothing_supported(job: &FilamentJob<'_>) -> Option<String> {
+    let s = &job.settings.support;
+    let nothing = s.support_material
+        && !s.support_material_auto
+        && s.support_material_enforce_layers == 0
+        && job.modifiers.enforcers.is_empty();
+    nothing.then(|| {
+        "support_material_auto = 0: nothing is supported; give --support-enforcer meshes, or set it to 1"
+            .to_owned()
+    })
+}
+
 fn filament_summary(written: &gcode::Summary, settings: &Settings) -> FilamentSummary {
     let known = |value: f64| Some(value).filter(|v| *v > 0.0);
     let by_role = Role::ALL.into_iter().map(|r| (r.name().to_owned(), written.role_mm[r.index()]));
@@ -316,22 +345,6 @@ fn fill_layers<'a>(islands: &'a [Vec<Island>], layers: &[LayerZ]) -> Vec<FillLay
         height: z.height.into(),
     };
     islands.iter().zip(layers).map(join).collect()
-}
-
-/// The skirt around everything that stands on the layers it goes with.
-fn skirt(islands: &[Vec<Island>], layers: &[LayerZ], settings: &Settings) -> Vec<Ring> {
-    let Some(first) = layers.first() else { return Vec::new() };
-    let flow = Flow::new(FlowRole::Skirt, lattice::mm(first.height), true, settings);
-    let filament = &settings.filament;
-    let section = std::f64::consts::PI / 4.0 * filament.filament_diameter * filament.filament_diameter;
-    let high = settings.adhesion.skirt_height as usize;
-    let outlines = islands.iter().take(high).flatten().map(|i| &i.outline.contour);
-    support::skirt::skirt(
-        outlines,
-        flow,
-        flow.mm3_per_mm() * filament.extrusion_multiplier / section,
-        &settings.adhesion,
-    )
 }
 
 /// The areas of every layer, grown or shrunk as the settings ask.

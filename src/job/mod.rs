@@ -1,5 +1,6 @@
 //! Where the stages are chained.
 
+pub mod adhesion;
 mod assemble;
 pub mod backend;
 pub mod contours;

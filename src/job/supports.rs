@@ -1,13 +1,12 @@
 //! Supports, raft and brim of a part whose layers are ready.
 
+use super::adhesion;
 use crate::contour::ExPolygon;
 use crate::infill::Bridge;
-use crate::lattice;
 use crate::region::Island;
 use crate::settings::Settings;
-use crate::settings::flow::{Flow, FlowRole};
 use crate::slice::planes::LayerZ;
-use crate::span::algebra::or;
+use crate::span::algebra::{or, sub};
 use crate::span::{RowFrame, Rows, scan};
 use crate::support::overhang::{Bridges, Modifiers, Overhang, overhangs};
 use crate::support::raft::{self, Heights};
@@ -22,7 +21,7 @@ pub struct Supports {
     pub layers: Vec<SupportLayer>,
     /// Their lines. Length = layers.
     pub strands: Vec<Vec<Strand>>,
-    /// The brim.
+    /// The brim, which [`adhesion::skirt_and_brim`] makes.
     pub brim: Vec<Strand>,
     /// What hangs, per layer of the part; empty where nobody asked.
     pub overhangs: Vec<Overhang>,
@@ -68,13 +67,14 @@ impl OnRows {
     }
 }
 
-/// Whether anything but a part and its skirt is asked for.
+/// Whether anything but a part, its skirt and its brim is asked for.
 pub fn is_wanted(settings: &Settings) -> bool {
-    let (s, a) = (&settings.support, &settings.adhesion);
-    s.support_material || s.support_material_enforce_layers > 0 || a.raft_layers > 0
+    settings.has_supports()
 }
 
-/// Supports, raft and brim; `z` are the heights of the part's layers above the bed.
+/// Supports and raft; `z` are the heights of the part's layers above the bed.
+///
+/// On the bed supports leave the brim's area free, as in PrusaSlicer: what they would print there the brim does.
 pub fn supports(
     islands: &[Vec<Island>],
     z: &[LayerZ],
@@ -88,23 +88,32 @@ pub fn supports(
         let rows = OnRows::new(islands, z, plan.frame);
         let bridges = Bridges { of_layer: bridges.0, frame: bridges.1 };
         all.overhangs = overhangs(rows.part(), modifiers, bridges, &plan);
-        let columns = support::supports(rows.part(), &all.overhangs, &plan);
-        let empty = Rows::default();
+        let mut columns = support::supports(rows.part(), &all.overhangs, &plan);
+        if let Some(first) = columns.first_mut().filter(|l| l.bottom_z() <= 0) {
+            leave_brim(first, islands, &plan, settings);
+        }
         if let Some(first) = rows.outlines.first().filter(|_| !heights.layers.is_empty()) {
             let stands = columns.first().filter(|l| l.bottom_z() <= heights.top());
-            let feet = stands.map_or(empty.clone(), |l| or(&or(&l.base, &l.interface), &l.bottom_interface));
+            let feet =
+                stands.map_or_else(Rows::default, |l| or(&or(&l.base, &l.interface), &l.bottom_interface));
             all.layers = raft::raft(first, &feet, &heights, &plan);
         }
         all.layers.extend(columns);
         all.strands = paths::strands(&all.layers, &plan);
         all.rows = Some(rows);
     }
-    if settings.adhesion.brim_width > 0.0 && settings.adhesion.raft_layers == 0 {
-        let first = z.first().map_or(0, |l| l.height);
-        let flow = Flow::new(FlowRole::Skirt, lattice::mm(first), true, settings);
-        let outlines: Vec<ExPolygon> =
-            islands.first().into_iter().flatten().map(|i| i.outline.clone()).collect();
-        all.brim = brim::brim(&outlines, &[], flow, &settings.adhesion);
-    }
     all
+}
+
+/// Takes the brim's area out of a layer on the bed.
+fn leave_brim(layer: &mut SupportLayer, islands: &[Vec<Island>], plan: &SupportPlan, settings: &Settings) {
+    if !adhesion::has_brim(settings) {
+        return;
+    }
+    let area = brim::cover(&adhesion::footprint(islands), adhesion::flow(settings), &settings.adhesion);
+    let area = scan(area.iter().flat_map(ExPolygon::rings).map(|r| &r[..]), &plan.frame);
+    let SupportLayer { base, thick, interface, contact, bottom_interface, .. } = layer;
+    for of_support in [base, thick, interface, contact, bottom_interface] {
+        *of_support = sub(of_support, &area);
+    }
 }

@@ -15,6 +15,8 @@ mod sheet;
 mod simplify;
 pub mod speed;
 #[cfg(test)]
+mod support_tests;
+#[cfg(test)]
 pub(crate) mod testing;
 
 pub use order::Planner;
@@ -38,6 +40,8 @@ pub struct PrintLayer {
     pub islands: Vec<PrintIsland>,
     /// Loops around the print, in printing order.
     pub skirt: Vec<Ring>,
+    /// Thickness of these \[nm\], which is more than the layer's where it hangs above a raft; 0 without any.
+    pub skirt_height: i32,
     /// The brim, in printing order.
     pub brim: Vec<Strand>,
     /// Supports or raft whose upper side is the layer's, in printing order.
@@ -46,6 +50,13 @@ pub struct PrintLayer {
     pub support_height: i32,
     /// It is the part's first layer, and lies on a raft.
     pub on_raft: bool,
+}
+
+impl PrintLayer {
+    /// It is a layer of nothing but supports or raft, none of the part's.
+    pub fn is_beside(&self) -> bool {
+        self.z.slice_z == 0 && self.islands.is_empty() && !self.supports.is_empty()
+    }
 }
 
 /// What one connected area of a layer prints.

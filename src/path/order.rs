@@ -11,6 +11,7 @@ use crate::infill::{FillKind, FillPath};
 use crate::lattice::{Point2, mm};
 use crate::region::{Bead, BeadKind, Wall};
 use crate::settings::{FillPattern, SeamPosition, Settings};
+use crate::support::{Strand, StrandKind};
 use std::ops::Range;
 
 /// The order of infill. Bridges come before the solid lines beside them, which then hold their ends.
@@ -18,6 +19,9 @@ const FILL_ORDER: [FillKind; 5] =
     [FillKind::Sparse, FillKind::Bridge, FillKind::InternalBridge, FillKind::Solid, FillKind::TopSolid];
 
 /// Plans layers one after the other; remembers where the nozzle is and where the seams were.
+///
+/// On each layer the skirt and the brim come first, then supports, and then the part, which leans on them:
+/// first what is loose, then what is dense, each by nearest end.
 ///
 /// Islands are visited by nearest neighbour; in each of them walls go from the innermost to the
 /// external one (`external_perimeters_first` turns that round), nest by nest with the thin walls
@@ -29,7 +33,9 @@ pub struct Planner<'a> {
     settings: &'a Settings,
     seams: SeamPlacer,
     at: Point2,
-    /// Thickness of the layers so far \[nm\].
+    /// Number of layers so far.
+    layers: usize,
+    /// Thickness of the part's layers so far \[nm\].
     heights: Vec<i32>,
     islands: NearestSet,
     ends: NearestSet,
@@ -62,6 +68,7 @@ impl<'a> Planner<'a> {
             settings,
             seams: SeamPlacer::new(settings.perimeters.seam_position),
             at: start,
+            layers: 0,
             heights: Vec::new(),
             islands: NearestSet::default(),
             ends: NearestSet::default(),
@@ -76,17 +83,31 @@ impl<'a> Planner<'a> {
         out.points.clear();
         (out.print_z, out.height) = (layer.z.print_z, layer.z.height);
         (out.fan, out.travel_seconds) = (0.0, 0.0);
-        let index = self.heights.len();
-        self.heights.push(layer.z.height);
+        let index = self.layers;
+        self.layers += 1;
+        let is_part = !layer.is_beside();
+        if is_part {
+            self.heights.push(layer.z.height);
+        }
         let mut buffers = std::mem::take(&mut self.buffers);
-        let lines = Lines::new(mm(layer.z.height), index == 0, self.settings);
+        let lines = match mm(layer.z.height) {
+            height if layer.on_raft => Lines::on_raft(height, self.settings),
+            height => Lines::new(height, index == 0, self.settings),
+        };
         let mut sheet = Sheet::new(out, lines, self.settings, &mut buffers);
         for ring in &layer.skirt {
             if let Some((seam, _)) = nearest_on(ring, self.at) {
                 self.at = sheet.closed(ring, &[], seam, Role::Skirt, self.at);
             }
         }
+        for strand in layer.brim.iter() {
+            self.at = sheet.strand(strand, false, &lines, self.at);
+        }
         let mut scratch = std::mem::take(&mut self.scratch);
+        if !layer.supports.is_empty() {
+            let lines = Lines::new(mm(layer.support_height), index == 0, self.settings);
+            self.supports(&layer.supports, &lines, &mut scratch.lines, &mut sheet);
+        }
         self.place_seams(&layer.islands, &mut scratch);
         self.islands.fill((0..layer.islands.len()).map(|i| entry(i, &layer.islands[i], &scratch)));
         while let Some((i, _)) = self.islands.take(self.at) {
@@ -103,13 +124,35 @@ impl<'a> Planner<'a> {
             }
         }
         (self.scratch, self.buffers) = (scratch, buffers);
-        self.seams.next_layer();
+        if is_part {
+            self.seams.next_layer();
+        }
         cooling::cool(out, index, &self.settings.cooling);
     }
 
-    /// Number of the layer in hand.
+    /// Number of the layer in hand among the part's.
     fn index(&self) -> usize {
         self.heights.len().saturating_sub(1)
+    }
+
+    /// Prints supports or raft, kind by kind, by nearest end; loops are entered near one of a few corners.
+    fn supports(&mut self, strands: &[Strand], lines: &Lines, own: &mut Vec<u32>, sheet: &mut Sheet<'_>) {
+        for kind in [StrandKind::Base, StrandKind::Interface, StrandKind::Brim] {
+            own.clear();
+            let is_own =
+                |i: &u32| strands[*i as usize].kind == kind && !strands[*i as usize].points.is_empty();
+            own.extend((0..strands.len() as u32).filter(is_own));
+            // Entries from 4 i on belong to strand i.
+            self.ends.fill(own.iter().flat_map(|&i| entries(&strands[i as usize])));
+            while let Some((entry, _)) = self.ends.take(self.at) {
+                let strand = &strands[own[entry as usize / ENTRIES] as usize];
+                let first = entry - entry % ENTRIES as u32;
+                for (other, at) in (first..).zip(entries(strand)).filter(|e| e.0 != entry) {
+                    self.ends.remove(other, at);
+                }
+                self.at = sheet.strand(strand, entry % 2 == 1, lines, self.at);
+            }
+        }
     }
 
     /// Finds the nests of every island and, in the islands' given order, their seams and those of closed
@@ -298,6 +341,21 @@ fn around(wall: &Wall) -> Loop<'_> {
 /// Both ends of a line; the origin for one without points.
 fn line_ends(points: &[Point2]) -> [Point2; 2] {
     [points.first(), points.last()].map(|p| p.copied().unwrap_or_default())
+}
+
+/// Number of places where a strand may be entered.
+const ENTRIES: usize = 4;
+
+/// Where a strand may be entered: its ends by turns, or corners a quarter of the way round apart; the origin for
+/// one without points.
+fn entries(strand: &Strand) -> [Point2; ENTRIES] {
+    if strand.closed {
+        let n = strand.points.len();
+        [0, 1, 2, 3].map(|i| strand.points.get(i * n / ENTRIES).copied().unwrap_or_default())
+    } else {
+        let [first, last] = line_ends(&strand.points);
+        [first, last, first, last]
+    }
 }
 
 /// Where an island is likely to be entered.

@@ -4,6 +4,7 @@ use crate::infill::FillKind;
 use crate::region::BeadKind;
 use crate::settings::SpeedSettings;
 use crate::settings::flow::FlowRole;
+use crate::support::StrandKind;
 
 /// What an extruded line is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -26,7 +27,7 @@ pub enum Role {
     BridgeInfill,
     /// A line between two walls that do not meet.
     GapFill,
-    /// Loops around the part.
+    /// Loops around the print, and the brim.
     Skirt,
     /// Support.
     SupportMaterial,
@@ -145,6 +146,15 @@ impl Role {
         match kind {
             BeadKind::ThinWall => Self::ExternalPerimeter,
             BeadKind::GapFill => Self::GapFill,
+        }
+    }
+
+    /// The role of a line beside the part.
+    pub const fn of_strand(kind: StrandKind) -> Self {
+        match kind {
+            StrandKind::Base => Self::SupportMaterial,
+            StrandKind::Interface => Self::SupportInterface,
+            StrandKind::Brim => Self::Skirt,
         }
     }
 

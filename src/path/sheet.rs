@@ -2,13 +2,14 @@
 
 use super::bead::{Pieces, Start};
 use super::loops::cut_open;
-use super::seam::Seam;
+use super::seam::{Seam, nearest_on};
 use super::speed::{Line, Lines, SMALL_PERIMETER};
 use super::{Extrusion, LayerPlan, Role, simplify};
 use crate::infill::FillPath;
 use crate::lattice::{NM_PER_MM, Point2, mm};
 use crate::region::Bead;
 use crate::settings::Settings;
+use crate::support::Strand;
 
 /// The gap at a loop's end, as a share of the nozzle's bore (PrusaSlicer's).
 const SEAM_GAP: f64 = 0.15;
@@ -127,6 +128,20 @@ impl<'a> Sheet<'a> {
         self.extrude(first, role, line, from)
     }
 
+    /// Adds a line beside the part as one of `lines`; a closed one is begun where the nozzle is nearest.
+    pub fn strand(&mut self, strand: &Strand, reversed: bool, lines: &Lines, from: Point2) -> Point2 {
+        let (first, role) = (self.out.points.len(), Role::of_strand(strand.kind));
+        if strand.closed {
+            let Some((seam, _)) = nearest_on(&strand.points, from) else { return from };
+            cut_open(&strand.points, seam, self.gap(), &mut self.out.points);
+        } else if reversed {
+            self.out.points.extend(strand.points.iter().rev());
+        } else {
+            self.out.points.extend_from_slice(&strand.points);
+        }
+        self.extrude(first, role, *lines.of(role), from)
+    }
+
     /// Makes an extrusion of the points from `first` on.
     fn extrude(&mut self, first: usize, role: Role, line: Line, from: Point2) -> Point2 {
         let points = &mut self.out.points;
@@ -229,7 +244,7 @@ mod tests {
                 for w in flagged.path(e).windows(2) {
                     // The middle of each line tells which edge it is on.
                     let middle = Point2::new(w[0].x.midpoint(w[1].x), w[0].y.midpoint(w[1].y));
-                    let edge = super::super::seam::nearest_on(&ring, middle).map(|s| s.0.edge);
+                    let edge = nearest_on(&ring, middle).map(|s| s.0.edge);
                     let over_air = edge.is_some_and(|i| overhang[i]);
                     assert_eq!(e.role == Role::OverhangPerimeter, over_air, "seed {seed}");
                 }

@@ -32,6 +32,8 @@ pub struct Lines<'a> {
     /// Thickness of the layer \[mm\].
     height: f64,
     first: bool,
+    /// Speed of the layer's lines, of each line's own; 0 = its own.
+    slow: FloatOrPercent,
     /// Most volume in a second \[mm³/s\].
     most: f64,
 }
@@ -39,12 +41,22 @@ pub struct Lines<'a> {
 impl<'a> Lines<'a> {
     /// The lines of a layer of `height` \[mm\]; `first` is true on the first layer.
     pub fn new(height: f64, first: bool, settings: &'a Settings) -> Self {
+        let slow = if first { settings.speed.first_layer_speed } else { FloatOrPercent::Float(0.0) };
+        Self::slowed(height, first, slow, settings)
+    }
+
+    /// Those of the part's first layer on a raft.
+    pub fn on_raft(height: f64, settings: &'a Settings) -> Self {
+        Self::slowed(height, false, settings.speed.first_layer_speed_over_raft, settings)
+    }
+
+    fn slowed(height: f64, first: bool, slow: FloatOrPercent, settings: &'a Settings) -> Self {
         let most = [settings.speed.max_volumetric_speed, settings.filament.filament_max_volumetric_speed]
             .into_iter()
             .filter(|flow| *flow > 0.0)
             .fold(f64::INFINITY, f64::min);
         let none = Line { width: 0.0, height, mm3_per_mm: 0.0, speed: SLOWEST };
-        let mut lines = Self { by_role: [none; Role::COUNT], settings, height, first, most };
+        let mut lines = Self { by_role: [none; Role::COUNT], settings, height, first, slow, most };
         lines.by_role = Role::ALL.map(|role| {
             let flow = if role.is_bridge() { Flow::bridging } else { Flow::new };
             lines.of_flow(role, flow(role.flow(), height, first, settings))
@@ -88,11 +100,10 @@ impl<'a> Lines<'a> {
         Line { height: flow.height, ..self.varied(role, flow.width, flow.mm3_per_mm()) }
     }
 
-    /// A role's `own` speed, on the first layer and under the limits of volume \[mm/s\].
+    /// A role's `own` speed, on this layer and under the limits of volume \[mm/s\].
     fn speed(&self, own: f64, section: f64) -> f64 {
-        let first: FloatOrPercent = self.settings.speed.first_layer_speed;
-        let speed = match first.of(own) {
-            slow if self.first && slow > 0.0 => slow,
+        let speed = match self.slow.of(own) {
+            slow if slow > 0.0 => slow,
             _ => own,
         };
         let most = if section > 0.0 { self.most / section } else { f64::INFINITY };
@@ -123,6 +134,21 @@ mod tests {
         s.speed.max_volumetric_speed = 1.0;
         let slow = line(&s, false);
         assert!((slow.speed * slow.mm3_per_mm - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_layer_on_a_raft_has_a_speed_of_its_own() {
+        let mut s = Settings::default();
+        let speed = |s: &Settings| Lines::on_raft(0.2, s).of(Role::Perimeter).speed;
+        for (over_raft, wanted) in [(Float(17.0), 17.0), (Percent(50.0), 30.0), (Float(0.0), 60.0)] {
+            s.speed.first_layer_speed_over_raft = over_raft;
+            assert_eq!(speed(&s), wanted);
+        }
+        // It is not wider, as the first layer on the bed is.
+        s.widths.first_layer_extrusion_width = Float(0.6);
+        let width = |lines: Lines| lines.of(Role::Perimeter).width;
+        assert_eq!(width(Lines::on_raft(0.2, &s)), width(Lines::new(0.2, false, &s)));
+        assert_eq!(width(Lines::new(0.2, true, &s)), 0.6);
     }
 
     #[test]

@@ -26,7 +26,9 @@ pub fn color(role: Role) -> [u8; 3] {
         Role::InternalInfill => [177, 48, 41],
         Role::SolidInfill | Role::BridgeInfill => [150, 84, 204],
         Role::TopSolidInfill | Role::Ironing => [240, 64, 64],
-        _ => [0, 135, 110],
+        Role::SupportMaterial => [0, 168, 0],
+        Role::SupportInterface => [0, 96, 48],
+        Role::Skirt | Role::WipeTower | Role::Custom => [0, 135, 150],
     }
 }
 

@@ -82,6 +82,13 @@ pub(super) fn beside_wall<'a>(
     }
 }
 
+/// The thin walls of an area that has no room for a loop of lines `width` \[nm\] wide.
+pub fn thin_walls(area: &ExPolygon, width: f64) -> Vec<Bead> {
+    let shape = Shape { kind: BeadKind::ThinWall, add: 0.0, slack: 4_000.0, shortest: SHORTEST * width };
+    let radii = (0.5 * THINNEST * width, width);
+    Place { taken: 0.0, radii, reach: 0.5 * width }.fill(area, std::iter::empty::<&Ring>, &shape)
+}
+
 /// The beads beside infill, in the area within the innermost walls. Discs from `room` \[nm\] of radius
 /// have infill in them; `inner`, asked for only when
 /// need be, is where those discs' centres lie.

@@ -5,7 +5,7 @@ mod beads;
 pub mod boolean;
 mod extra;
 pub mod foot;
-mod inside;
+pub mod inside;
 pub mod gaps;
 pub mod layers;
 mod medial;

@@ -74,7 +74,11 @@ impl WallPlan {
             infill_overlap: lattice::nm(settings.infill.infill_overlap.of(base)),
             // Without infill nothing shows between walls, and they carry each other.
             extra: settings.perimeters.extra_perimeters && settings.infill.fill_density > 0.0,
-            reach: if settings.perimeters.overhangs { lattice::nm(0.5 * bore) } else { 0 },
+            // What lies on supports does not hang.
+            reach: match settings.perimeters.overhangs && !settings.has_soluble_supports() {
+                true => lattice::nm(0.5 * bore),
+                false => 0,
+            },
             one_wall: settings.perimeters.top_one_perimeter_type,
             beads: BeadPlan::new(settings, height_mm),
         }

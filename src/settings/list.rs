@@ -78,8 +78,10 @@ fn cell(text: &str) -> String {
 
 const HEAD: &str = "# Settings
 
-The names, units, value syntax and defaults are PrusaSlicer's, with two exceptions: `fill_pattern` is
-`rectilinear` here, and `adaptive_layer_height` and `adaptive_cusp_height` are this program's own. This page is generated from the registry in `src/settings/keys.rs` and `keys_resin.rs`; a test keeps it true
+The names, units, value syntax and defaults are PrusaSlicer's, with these exceptions: `fill_pattern` is
+`rectilinear` here; `adaptive_layer_height`, `adaptive_cusp_height`, `support_material_layer_height`,
+`support_material_flow_ratio`, `support_material_interface_flow_ratio`, `brim_ears` and `brim_ears_max_angle` are not
+PrusaSlicer's. This page is generated from the registry in `src/settings/keys.rs` and `keys_resin.rs`; a test keeps it true
 (`MICROTOME_BLESS=1 cargo test --lib settings` rewrites it). The settings of resin printers come second.
 
 Settings come, later ones winning, from files (`--load FILE`, may be repeated), from a flag for each key

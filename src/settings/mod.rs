@@ -24,6 +24,7 @@ mod types_resin;
 mod types_support;
 mod validate;
 mod validate_resin;
+mod validate_support;
 mod value;
 
 pub use assign::{Assigned, ValueError, Warning};

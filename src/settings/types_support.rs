@@ -1,6 +1,7 @@
 //! Settings of supports and of what holds a print to the bed.
 
 use super::types::FloatOrPercent::{self, Percent};
+use super::types::Settings;
 
 /// Supports.
 #[derive(Clone, Debug, PartialEq)]
@@ -228,4 +229,31 @@ pub enum BrimType {
     InnerOnly,
     /// Both.
     OuterAndInner,
+}
+
+/// Layers of a raft above its first are this thick, in bores of the nozzle (PrusaSlicer's).
+const RAFT_LAYER: f64 = 0.75;
+
+impl Settings {
+    /// Whether anything is printed with the lines of supports: supports or a raft.
+    pub fn has_supports(&self) -> bool {
+        let s = &self.support;
+        s.support_material || s.support_material_enforce_layers > 0 || self.adhesion.raft_layers > 0
+    }
+
+    /// Whether the part lies on its supports without a gap, so that nothing hangs: they are of a material that
+    /// can be washed out. PrusaSlicer then prints no bridges and no overhanging walls, and neither do we.
+    pub fn has_soluble_supports(&self) -> bool {
+        self.support.support_material && self.support.support_material_contact_distance <= 0.0
+    }
+
+    /// Thickness of a raft's layers above its first \[mm\]: three quarters of the nozzle's bore, but not less
+    /// than `layer_height` nor more than `support_material_layer_height`.
+    pub fn raft_layer_height(&self) -> f64 {
+        let thick = self.slicing.layer_height.max(RAFT_LAYER * self.printer.nozzle_diameter);
+        match self.support.support_material_layer_height {
+            most if most > 0.0 => thick.min(most),
+            _ => thick,
+        }
+    }
 }

@@ -22,7 +22,7 @@ pub struct Invalid {
 }
 
 /// A nozzle cannot press a line wider than this many bores (PrusaSlicer's limit).
-const MAX_WIDTH_IN_NOZZLES: f64 = 3.0;
+pub(super) const MAX_WIDTH_IN_NOZZLES: f64 = 3.0;
 /// Patterns whose lines are those of solid infill.
 const STRAIGHT: [FillPattern; 4] = [
     FillPattern::Rectilinear,
@@ -45,7 +45,11 @@ impl Settings {
         self.check_speeds()?;
         self.check_bed()?;
         self.check_extrusion()?;
-        Ok(self.oddities())
+        self.check_supports()?;
+        let mut warnings = self.oddities();
+        warnings.extend(self.support_oddities());
+        warnings.extend(self.adhesion_oddities());
+        Ok(warnings)
     }
 
     pub(super) fn invalid(
@@ -59,7 +63,7 @@ impl Settings {
     }
 
     /// Thickness of the first layer \[mm\].
-    fn first_height(&self) -> f64 {
+    pub(super) fn first_height(&self) -> f64 {
         self.slicing.first_layer_height.of(self.slicing.layer_height)
     }
 

@@ -3,6 +3,7 @@
 //! Knows rows and spans, neither pixels nor what a span is for.
 
 pub mod algebra;
+pub mod beyond;
 pub mod components;
 pub mod edges;
 pub mod frame;

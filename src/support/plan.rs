@@ -18,7 +18,7 @@ pub struct SupportPlan {
     pub cell: f64,
     /// Number of rows in a cell.
     pub cell_rows: u32,
-    /// Find overhangs by their slope.
+    /// Find overhangs by their slope; never where supports are off.
     pub auto: bool,
     /// Slopes flatter than this are supported \[degrees from horizontal\]; `None` = what `half_wall` does not cover.
     pub threshold: Option<f64>,
@@ -127,7 +127,7 @@ impl SupportPlan {
             frame,
             cell,
             cell_rows: cell_rows as u32,
-            auto: s.support_material_auto,
+            auto: s.support_material && s.support_material_auto,
             threshold: Some(s.support_material_threshold).filter(|t| *t > 0.0),
             half_wall: 0.5 * nm(wall) as f64,
             enforce_layers: s.support_material_enforce_layers,

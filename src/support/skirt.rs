@@ -2,8 +2,8 @@
 
 use crate::contour::Ring;
 use crate::lattice::{LIMIT, NM_PER_MM, Point2, cross};
-use crate::settings::AdhesionSettings;
 use crate::settings::flow::Flow;
+use crate::settings::{AdhesionSettings, DraftShield};
 use std::f64::consts::{PI, TAU};
 
 /// Largest distance of a rounded corner's chords from its arc \[mm\].
@@ -19,8 +19,9 @@ pub const MOST_LOOPS: u32 = 1000;
 /// that have a skirt: the i-th at a distance of `skirt_distance` + (i + 1/2) x spacing, so that
 /// `skirt_distance` is left free between the print and the innermost bead (PrusaSlicer's rule). Corners
 /// are arcs within [`ARC_TOLERANCE`]. Loops are added until `min_skirt_length` of filament is used;
-/// `filament_per_mm` is the filament for each mm of line \[mm\]. Loops that would leave the lattice are
-/// left out; no skirt is wanted when `skirts` or `skirt_height` is 0, and none is made around nothing.
+/// `filament_per_mm` is the filament for each mm of line \[mm\]. All layers with a skirt have these loops.
+/// Loops that would leave the lattice are left out, and none are made around nothing or without
+/// [`is_wanted`].
 pub fn skirt<'a>(
     outlines: impl IntoIterator<Item = &'a Ring>,
     flow: Flow,
@@ -29,7 +30,7 @@ pub fn skirt<'a>(
 ) -> Vec<Ring> {
     let mut loops = Vec::new();
     let hull = convex_hull(outlines.into_iter().flatten().copied().collect());
-    if settings.skirts == 0 || settings.skirt_height == 0 || hull.is_empty() {
+    if !is_wanted(settings) || hull.is_empty() {
         return loops;
     }
     let mut filament = 0.0;
@@ -44,6 +45,17 @@ pub fn skirt<'a>(
     }
     loops.reverse();
     loops
+}
+
+/// Whether there is a skirt: `skirts` is not 0, and neither is its height.
+pub fn is_wanted(settings: &AdhesionSettings) -> bool {
+    settings.skirts > 0 && (settings.skirt_height > 0 || settings.draft_shield == DraftShield::Enabled)
+}
+
+/// The hull of lines of a `width` \[mm\] \[nm\]; `None` without any, or where it would leave the lattice.
+pub fn hull_of_lines<'a>(lines: impl IntoIterator<Item = &'a [Point2]>, width: f64) -> Option<Ring> {
+    let hull = convex_hull(lines.into_iter().flatten().copied().collect());
+    if hull.is_empty() { None } else { grown(&hull, 0.5 * width) }
 }
 
 /// The corners of the convex hull, counter-clockwise from the lowest (x, y), without points on its
@@ -75,7 +87,7 @@ pub fn convex_hull(mut points: Vec<Point2>) -> Ring {
 
 /// A convex ring, moved outwards by `distance` \[mm\] with round corners; `None` when it would leave
 /// the lattice.
-fn grown(hull: &[Point2], distance: f64) -> Option<Ring> {
+pub(super) fn grown(hull: &[Point2], distance: f64) -> Option<Ring> {
     let radius = distance * NM_PER_MM;
     // A chord of angle a is r (1 - cos(a / 2)) from its arc.
     let share = 1.0 - (ARC_TOLERANCE / distance).clamp(0.0, 1.0);
@@ -187,6 +199,10 @@ mod tests {
         assert!(skirt(&shapes(), FLOW, 0.03, &none).is_empty());
         let flat = AdhesionSettings { skirt_height: 0, ..AdhesionSettings::default() };
         assert!(skirt(&shapes(), FLOW, 0.03, &flat).is_empty());
+        let limited = AdhesionSettings { draft_shield: DraftShield::Limited, ..flat.clone() };
+        assert!(skirt(&shapes(), FLOW, 0.03, &limited).is_empty());
+        let shield = AdhesionSettings { draft_shield: DraftShield::Enabled, ..flat };
+        assert_eq!(skirt(&shapes(), FLOW, 0.03, &shield).len(), 1);
         assert!(skirt(&[], FLOW, 0.03, &AdhesionSettings::default()).is_empty());
         let edge = vec![vec![Point2::new(LIMIT - 1, 0), Point2::new(0, 5), Point2::new(0, 0)]];
         assert!(skirt(&edge, FLOW, 0.03, &AdhesionSettings::default()).is_empty());

@@ -9,7 +9,7 @@ use crate::span::scan;
 use crate::span::tests::Random;
 
 const PITCH: f64 = 407_000.0;
-const PLAN: BridgePlan = BridgePlan { anchor: 3e6, degrees: None };
+const PLAN: BridgePlan = BridgePlan { anchor: 3e6, degrees: None, over_air: true };
 
 fn frame(degrees: f64) -> RowFrame {
     RowFrame::new(degrees, 0.0, PITCH)

@@ -4,12 +4,12 @@
 //! laws count lines alone; what links and anchors add along the walls comes on top, as in PrusaSlicer.
 
 mod aligned_rectilinear;
-mod clip;
+pub(crate) mod clip;
 mod crossing;
 mod cubic;
 mod grid;
-mod honeycomb;
-mod join;
+pub(crate) mod honeycomb;
+pub(crate) mod join;
 mod line;
 mod monotonic;
 mod monotonic_lines;
