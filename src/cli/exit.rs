@@ -102,6 +102,7 @@ impl CliError {
                 | JobError::Dark { .. }
                 | JobError::Planes { .. }
                 | JobError::Trace(_)
+                | JobError::Modifier { .. }
                 | JobError::Direction(_)
                 | JobError::NothingBelow { .. }
                 | JobError::Empty { .. } => 3,

@@ -15,6 +15,7 @@ pub mod progress;
 pub mod report;
 pub mod setting_flags;
 pub mod slice;
+pub mod support_args;
 
 use clap::{Parser, Subcommand};
 use exit::CliError;

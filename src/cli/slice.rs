@@ -6,8 +6,9 @@ use super::options::RunArgs;
 use super::progress::Spinner;
 use super::report;
 use super::setting_flags::SettingFlags;
+use super::support_args::SupportArgs;
 use crate::job::JobError;
-use crate::job::filament::{self, FilamentJob, ModifierFiles, Planned};
+use crate::job::filament::{self, FilamentJob, Planned};
 use crate::job::output::{OutputError, OutputFile};
 use crate::job::toolpaths::{save_png, toolpaths};
 use crate::mesh::Placement;
@@ -41,6 +42,9 @@ pub struct SliceArgs {
     /// Faulty meshes.
     #[command(flatten)]
     pub mesh: MeshArgs,
+    /// Supports.
+    #[command(flatten)]
+    pub supports: SupportArgs,
     /// How to run.
     #[command(flatten)]
     pub run: RunArgs,
@@ -66,13 +70,14 @@ pub fn run(args: &SliceArgs) -> Result<(), CliError> {
         backend: args.run.backend(),
         stem: stem(&args.model),
         date: super::source_date_epoch(),
-        modifiers: ModifierFiles::default(),
+        modifiers: args.supports.modifiers(),
     };
     let spinner = Spinner::new(args.run.quiet);
-    let planned = filament::plan(&args.model, &job, &spinner)?;
+    let mut planned = filament::plan_with(&args.model, &job, args.supports.wish(), &spinner)?;
     if let Some(path) = &args.picture {
         draw(path, args.picture_layer, &planned, &job)?;
     }
+    let record = std::mem::take(&mut planned.supports);
     let mut summary = if output == Path::new("-") {
         let failed = |e| JobError::from(OutputError::new(Path::new("standard output"), e));
         let mut out = io::BufWriter::with_capacity(1 << 18, io::stdout().lock());
@@ -86,6 +91,7 @@ pub fn run(args: &SliceArgs) -> Result<(), CliError> {
         out.commit().map_err(JobError::from)?;
         summary
     };
+    args.supports.write(record, &summary)?;
     drop(spinner);
 
     summary.output = output.display().to_string();

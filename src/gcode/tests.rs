@@ -10,6 +10,7 @@ use crate::path::{LayerPlan, PrintIsland, PrintLayer, Role, plan};
 use crate::region::{Bead, BeadKind, Wall};
 use crate::settings::{FloatOrPercent, GcodeFlavor, Settings};
 use crate::slice::planes::LayerZ;
+use crate::support::{Strand, StrandKind};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
@@ -409,3 +410,142 @@ fn nothing_to_print_is_a_file_all_the_same() {
     let (text, _) = written(&[empty], &Settings::default(), &Texts::default());
     assert!(!text.contains("E-"));
 }
+
+/// A part with supports beside it: brim, columns and their dense layer, and a layer of these alone.
+#[test]
+fn supports_and_brim_as_text() {
+    let mut settings = Settings::default();
+    settings.cooling.cooling = false;
+    settings.printer.use_relative_e_distances = true;
+    let at = |points: &[(i32, i32)]| {
+        points.iter().map(|&(x, y)| Point2::new(x * 1000 - 400, y * 1000 - 600)).collect()
+    };
+    let strand = |kind, closed, points: &[(i32, i32)]| Strand { points: at(points), closed, kind };
+    let part = |k: i32| {
+        let wall = Wall { ring: at(&[(0, 0), (4000, 0), (4000, 4000), (0, 4000)]), ..Wall::default() };
+        PrintLayer {
+            z: LayerZ { slice_z: k * 200_000 + 100_000, print_z: (k + 1) * 200_000, height: 200_000 },
+            islands: vec![PrintIsland { walls: vec![wall], ..PrintIsland::default() }],
+            ..PrintLayer::default()
+        }
+    };
+    let sheath = strand(StrandKind::Base, true, &[(10_000, 0), (14_000, 0), (14_000, 4000), (10_000, 4000)]);
+    let lines =
+        strand(StrandKind::Base, false, &[(10_500, 1000), (13_500, 1000), (13_500, 3000), (10_500, 3000)]);
+    let dense = strand(StrandKind::Interface, false, &[(10_000, 5000), (14_000, 5000)]);
+    let first = PrintLayer {
+        brim: vec![strand(
+            StrandKind::Brim,
+            true,
+            &[(-1000, -1000), (5000, -1000), (5000, 5000), (-1000, 5000)],
+        )],
+        supports: vec![lines.clone(), sheath.clone()],
+        support_height: 200_000,
+        ..part(0)
+    };
+    let beside = PrintLayer {
+        z: LayerZ { slice_z: 0, print_z: 498_000, height: 298_000 },
+        supports: vec![dense.clone(), sheath, lines],
+        support_height: 298_000,
+        ..PrintLayer::default()
+    };
+    let both = PrintLayer { supports: vec![dense], support_height: 102_000, ..part(2) };
+    let layers = plan(&[first, part(1), beside, both], Point2::default(), &settings);
+    assert!(verify(&written(&layers, &settings, &Texts::default()).0, &layers, &settings).is_ok());
+    let (text, _) = written(&layers, &settings, &Texts::default());
+    let from = text.find(";LAYER_CHANGE").unwrap_or_default();
+    let to = text.rfind(";TYPE:Custom").unwrap_or(text.len());
+    assert_eq!(text[from..to].trim_end(), SUPPORTS_AS_TEXT.trim());
+}
+
+const SUPPORTS_AS_TEXT: &str = "
+;LAYER_CHANGE
+;Z:0.2
+;HEIGHT:0.2
+G1 Z0.2 F7800
+G1 X99 Y50.001
+;TYPE:Skirt/Brim
+;WIDTH:0.4
+G1 Y49 E0.02971 F1800
+G1 X105 E0.17815
+G1 Y55 E0.17814
+G1 X99 E0.17815
+G1 Y50.061 E0.14666
+G1 E-2 F2400
+G1 X110 F7800
+;TYPE:Support material
+;WIDTH:0.4
+G1 E2 F2400
+G1 Y50 E0.0018 F1800
+G1 X114 E0.11876
+G1 Y54 E0.11877
+G1 X110 E0.11876
+G1 Y50.121 E0.11519
+G1 X110.5 Y51 F7800
+G1 X113.5 E0.08907 F1800
+G1 Y53 E0.05939
+G1 X110.5 E0.08907
+G1 E-2 F2400
+G1 X104 Y54 F7800
+;TYPE:External perimeter
+;WIDTH:0.4
+G1 E2 F2400
+G1 X100 E0.11876 F1800
+G1 Y50 E0.11877
+G1 X104 E0.11876
+G1 Y53.94 E0.11699
+;LAYER_CHANGE
+;Z:0.4
+;HEIGHT:0.2
+G1 Z0.4 F7800
+G1 Y54
+;TYPE:External perimeter
+;WIDTH:0.42
+G1 X100 E0.12542 F900
+G1 Y50 E0.12541
+G1 X104 E0.12542
+G1 Y53.94 E0.12354
+;LAYER_CHANGE
+;Z:0.498
+;HEIGHT:0.298
+G1 Z0.498 F7800
+G1 E-2 F2400
+G1 X110 F7800
+;TYPE:Support material
+;WIDTH:0.4
+G1 E2 F2400
+G1 Y50 E0.16404 F3600
+G1 X114 E0.16653
+G1 Y54 E0.16654
+G1 X110 E0.16654
+G1 X110.5 Y53 F7800
+G1 X113.5 E0.1249 F3600
+G1 Y51 E0.08327
+G1 X110.5 E0.1249
+G1 E-2 F2400
+G1 X110 Y55 F7800
+;TYPE:Support material interface
+;WIDTH:0.4
+G1 E2 F2400
+G1 X114 E0.16654 F3600
+;LAYER_CHANGE
+;Z:0.6
+;HEIGHT:0.2
+G1 Z0.6 F7800
+;TYPE:Support material interface
+;WIDTH:0.4
+;HEIGHT:0.102
+G1 X110 E0.06414 F3600
+G1 E-2 F2400
+G1 X104 Y54 F7800
+;TYPE:External perimeter
+;WIDTH:0.42
+;HEIGHT:0.2
+G1 E2 F2400
+G1 X100 E0.12542 F900
+G1 Y50 E0.12541
+G1 X104 E0.12542
+G1 Y53.94 E0.12354
+G1 E-2 F2400
+M107
+";

@@ -121,6 +121,14 @@ pub enum JobError {
     /// The mesh is too large to be traced.
     #[error(transparent)]
     Trace(#[from] TraceError),
+    /// A mesh that says where supports go cannot be cut.
+    #[error("{}: {error}", file.display())]
+    Modifier {
+        /// Its file.
+        file: PathBuf,
+        /// Why not.
+        error: TraceError,
+    },
     /// There are layers, but nothing on them is wide enough for a line.
     #[error(
         "{model}: nothing to print: no layer has an area that a line of {width_mm:.2} mm fits into; check the model's units and its scale"

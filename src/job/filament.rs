@@ -4,12 +4,14 @@ use super::JobError;
 use super::backend::{self, BackendOptions};
 use super::error::WriteError;
 use super::gcode_text::GcodeText;
+use super::modifiers::{Cuts, ModifierRows};
 use super::open::OpenContours;
 use super::part::{self, MeshOptions, Part, PartOptions};
 use super::progress::Progress;
 use super::summary::{FilamentSummary, Stopwatch, Summary};
-use super::{adhesion, assemble, supports};
-use crate::contour::{ExPolygon, LayerContours};
+use super::support_report::{Subject, SupportRecord, SupportWish};
+use super::{adhesion, assemble, support_report, supports};
+use crate::contour::{ExPolygon, LayerContours, TraceOptions};
 use crate::infill::FillLayer;
 use crate::lattice::{self, Point2};
 use crate::mesh::{self, Loaded, Mesh, Placement};
@@ -19,7 +21,7 @@ use crate::region::perimeters::WallPlan;
 use crate::region::{Island, areas, foot};
 use crate::settings::Settings;
 use crate::slice::planes::{self, LayerZ};
-use crate::support::overhang::Modifiers;
+use crate::support::SupportPlan;
 use crate::support::raft::{self, Heights};
 use crate::{gcode, infill, region};
 use std::io::Write;
@@ -60,20 +62,35 @@ pub struct Planned {
     pub layers: Vec<PrintLayer>,
     /// World position of the layers' zero \[nm\].
     pub origin: [i64; 3],
+    /// What was found out about supports.
+    pub supports: SupportRecord,
     summary: Summary,
     watch: Stopwatch,
 }
 
-/// Reads a model and does everything up to walls, fills and skirt.
+/// Reads a model and does everything up to walls, fills, supports and skirt.
 ///
 /// # Errors
 /// [`JobError`]: see its variants.
 pub fn plan(path: &Path, job: &FilamentJob<'_>, progress: &dyn Progress) -> Result<Planned, JobError> {
+    plan_with(path, job, SupportWish::default(), progress)
+}
+
+/// [`plan`], with what is wished to be said about supports.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_with(
+    path: &Path,
+    job: &FilamentJob<'_>,
+    wish: SupportWish,
+    progress: &dyn Progress,
+) -> Result<Planned, JobError> {
     let mut watch = Stopwatch::default();
     progress.stage("reading");
     watch.stage("load");
     let loaded = mesh::load(path)?;
-    plan_loaded(loaded, &path.display().to_string(), Some(path), job, progress, watch)
+    plan_loaded(loaded, &path.display().to_string(), Some(path), job, wish, progress, watch)
 }
 
 /// [`plan`] for a mesh in memory; `name` stands for it in messages.
@@ -87,7 +104,22 @@ pub fn plan_mesh(
     progress: &dyn Progress,
     watch: Stopwatch,
 ) -> Result<Planned, JobError> {
-    plan_loaded(loaded, name, None, job, progress, watch)
+    plan_mesh_with(loaded, name, job, SupportWish::default(), progress, watch)
+}
+
+/// [`plan_mesh`], with what is wished to be said about supports.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_mesh_with(
+    loaded: Loaded,
+    name: &str,
+    job: &FilamentJob<'_>,
+    wish: SupportWish,
+    progress: &dyn Progress,
+    watch: Stopwatch,
+) -> Result<Planned, JobError> {
+    plan_loaded(loaded, name, None, job, wish, progress, watch)
 }
 
 fn plan_loaded(
@@ -95,10 +127,12 @@ fn plan_loaded(
     name: &str,
     file: Option<&Path>,
     job: &FilamentJob<'_>,
+    wish: SupportWish,
     progress: &dyn Progress,
     mut watch: Stopwatch,
 ) -> Result<Planned, JobError> {
     let settings = job.settings;
+    let file_origin = loaded.mesh.origin;
     let mut warnings: Vec<String> = settings.validate()?.iter().map(ToString::to_string).collect();
     warnings.extend(nothing_supported(job));
     let options = PartOptions {
@@ -129,6 +163,7 @@ fn plan_loaded(
     warnings.extend(open_contours.warning(name));
     let triangles = mesh.triangles.len() as u64;
     let origin = mesh.origin;
+    let modifiers = modifiers(job, &layers, [file_origin, origin], &options, &mut warnings)?;
     drop((mesh, adjacency));
     let contours = traced.layers.iter().map(|l| l.rings.len() as u64).sum();
 
@@ -157,7 +192,13 @@ fn plan_loaded(
     progress.stage("supports");
     watch.stage("supports");
     let bridges = (&filled.bridges[..], &fill_plan.area_frame());
-    let mut beside = supports::supports(&islands, &layers, bridges, Modifiers::default(), settings);
+    let make =
+        |settings: &Settings| supports::supports(&islands, &layers, bridges, modifiers.modifiers(), settings);
+    let mut beside = make(settings);
+    let subject = Subject { name, origin, settings, make: &make };
+    let in_air = support_report::check(&beside, &subject);
+    warnings.extend(in_air.as_ref().and_then(|found| support_report::warning(found, &subject)));
+    let record = support_report::record(&beside, wish, &subject);
     let (skirt, brim) = adhesion::skirt_and_brim(&islands, &layers, &beside, settings);
     beside.brim = brim;
     warnings.extend(
@@ -176,6 +217,7 @@ fn plan_loaded(
         contours,
         open_contours,
         mesh: mesh_summary,
+        in_air,
         filament: FilamentSummary::default(),
         bounds_mm: None,
         time_lower_bound_s: 0.0,
@@ -184,7 +226,7 @@ fn plan_loaded(
         ignored_settings: Vec::new(),
         stages: Vec::new(),
     };
-    Ok(Planned { layers, origin, summary, watch })
+    Ok(Planned { layers, origin, supports: record, summary, watch })
 }
 
 /// Puts the layers in order and writes them, one after the other.
@@ -197,7 +239,7 @@ pub fn write(
     out: &mut impl Write,
     progress: &dyn Progress,
 ) -> Result<Summary, WriteError> {
-    let Planned { layers, origin, mut summary, mut watch } = planned;
+    let Planned { layers, origin, mut summary, mut watch, .. } = planned;
     progress.stage("writing");
     watch.stage("order and write");
     let settings = job.settings;
@@ -272,6 +314,28 @@ fn filament_summary(written: &gcode::Summary, settings: &Settings) -> FilamentSu
             .map(|_| written.cost),
         mm_by_role: by_role.filter(|(_, mm)| *mm > 0.0).collect(),
     }
+}
+
+/// What enforcers and blockers cover; `origins` are the part's in its file and on the bed.
+fn modifiers(
+    job: &FilamentJob<'_>,
+    layers: &[LayerZ],
+    [before, origin]: [[i64; 3]; 2],
+    options: &TraceOptions,
+    warnings: &mut Vec<String>,
+) -> Result<ModifierRows, JobError> {
+    let files = &job.modifiers;
+    if files.enforcers.is_empty() && files.blockers.is_empty() {
+        return Ok(ModifierRows::default());
+    }
+    if !job.settings.support.support_material {
+        let message = "enforcers and blockers change nothing while supports are off; add --support-material";
+        warnings.push(message.to_owned());
+    }
+    let moved = std::array::from_fn(|axis| origin[axis].saturating_sub(before[axis]));
+    let frame = SupportPlan::new(job.settings).frame;
+    let cuts = Cuts { layers, origin, moved, frame: &frame, options };
+    ModifierRows::load(files, &cuts, warnings)
 }
 
 fn fill_layers<'a>(islands: &'a [Vec<Island>], layers: &[LayerZ]) -> Vec<FillLayer<'a>> {

@@ -11,12 +11,15 @@ pub mod mask_check;
 pub mod mask_picture;
 pub mod memory;
 mod gcode_text;
+pub mod modifiers;
 pub mod open;
 pub mod output;
 pub mod part;
 pub mod progress;
 pub mod resin;
 pub mod summary;
+mod support_picture;
+pub mod support_report;
 pub mod supports;
 pub mod toolpaths;
 

@@ -1,6 +1,7 @@
 //! What a job did, for people and for programs. None of it reaches the output file.
 
 use super::open::OpenContours;
+use super::support_report::AirSummary;
 use serde::Serialize;
 
 /// The machine-readable result of a job, printed by `--json`.
@@ -28,6 +29,8 @@ pub struct Summary {
     pub mesh: MeshSummary,
     /// What is extruded.
     pub filament: FilamentSummary,
+    /// What of a print with supports is printed in air all the same; absent where supports are off.
+    pub in_air: Option<AirSummary>,
     /// Corners of the extruded paths on the bed \[mm\], lowest and highest (x, y, z).
     pub bounds_mm: Option<[[f64; 3]; 2]>,
     /// Lower bound of the print time: path lengths over speeds, no acceleration \[s\].

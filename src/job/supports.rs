@@ -25,10 +25,12 @@ pub struct Supports {
     pub brim: Vec<Strand>,
     /// What hangs, per layer of the part; empty where nobody asked.
     pub overhangs: Vec<Overhang>,
+    /// The part as the support stage saw it; `None` where nobody asked.
+    pub rows: Option<OnRows>,
 }
 
 /// The part on the rows of supports.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct OnRows {
     /// Its outlines, layer by layer.
     pub outlines: Vec<Arc<Rows>>,
@@ -98,6 +100,7 @@ pub fn supports(
         }
         all.layers.extend(columns);
         all.strands = paths::strands(&all.layers, &plan);
+        all.rows = Some(rows);
     }
     all
 }

@@ -59,6 +59,8 @@ struct Scratch {
     first_bead_seam: Vec<u32>,
     /// Indices of the infill lines of one kind.
     lines: Vec<u32>,
+    /// Supports' strands and where they may be entered.
+    entries: Vec<(u32, Point2)>,
 }
 
 impl<'a> Planner<'a> {
@@ -109,7 +111,7 @@ impl<'a> Planner<'a> {
         let mut scratch = std::mem::take(&mut self.scratch);
         if !layer.supports.is_empty() {
             let lines = Lines::new(mm(layer.support_height), index == 0, self.settings);
-            self.supports(&layer.supports, &lines, &mut scratch.lines, &mut sheet);
+            self.supports(&layer.supports, &lines, &mut scratch.entries, &mut sheet);
         }
         self.place_seams(&layer.islands, &mut scratch);
         self.islands.fill((0..layer.islands.len()).map(|i| entry(i, &layer.islands[i], &scratch)));
@@ -139,21 +141,26 @@ impl<'a> Planner<'a> {
     }
 
     /// Prints supports or raft, kind by kind, by nearest end; loops are entered near one of a few corners.
-    fn supports(&mut self, strands: &[Strand], lines: &Lines, own: &mut Vec<u32>, sheet: &mut Sheet<'_>) {
+    fn supports(
+        &mut self,
+        strands: &[Strand],
+        lines: &Lines,
+        entries: &mut Vec<(u32, Point2)>,
+        sheet: &mut Sheet<'_>,
+    ) {
         for kind in [StrandKind::Base, StrandKind::Interface, StrandKind::Brim] {
-            own.clear();
-            let is_own =
-                |i: &u32| strands[*i as usize].kind == kind && !strands[*i as usize].points.is_empty();
-            own.extend((0..strands.len() as u32).filter(is_own));
-            // Entries from 4 i on belong to strand i.
-            self.ends.fill(own.iter().flat_map(|&i| entries(&strands[i as usize])));
+            entries.clear();
+            for (i, strand) in (0..).zip(strands).filter(|(_, s)| s.kind == kind) {
+                entries.extend(entry_points(strand).map(|at| (i, at)));
+            }
+            self.ends.fill(entries.iter().map(|e| e.1));
             while let Some((entry, _)) = self.ends.take(self.at) {
-                let strand = &strands[own[entry as usize / ENTRIES] as usize];
-                let first = entry - entry % ENTRIES as u32;
-                for (other, at) in (first..).zip(entries(strand)).filter(|e| e.0 != entry) {
-                    self.ends.remove(other, at);
+                let i = entries[entry as usize].0;
+                let first = entries.partition_point(|e| e.0 < i) as u32;
+                for (other, e) in (first..).zip(&entries[first as usize..]).take_while(|(_, e)| e.0 == i) {
+                    self.ends.remove(other, e.1);
                 }
-                self.at = sheet.strand(strand, entry % 2 == 1, lines, self.at);
+                self.at = sheet.strand(&strands[i as usize], entry > first, lines, self.at);
             }
         }
     }
@@ -346,19 +353,15 @@ fn line_ends(points: &[Point2]) -> [Point2; 2] {
     [points.first(), points.last()].map(|p| p.copied().unwrap_or_default())
 }
 
-/// Number of places where a strand may be entered.
-const ENTRIES: usize = 4;
+/// Most places where a closed strand may be entered.
+const ENTRIES: usize = 8;
 
-/// Where a strand may be entered: its ends by turns, or corners a quarter of the way round apart; the origin for
-/// one without points.
-fn entries(strand: &Strand) -> [Point2; ENTRIES] {
-    if strand.closed {
-        let n = strand.points.len();
-        [0, 1, 2, 3].map(|i| strand.points.get(i * n / ENTRIES).copied().unwrap_or_default())
-    } else {
-        let [first, last] = line_ends(&strand.points);
-        [first, last, first, last]
-    }
+/// Where a strand may be entered: its ends, or some of its corners.
+fn entry_points(strand: &Strand) -> impl Iterator<Item = Point2> {
+    let n = strand.points.len();
+    let count = if strand.closed { n.min(ENTRIES) } else { n.min(2) };
+    let index = move |i| if strand.closed { i * n / count } else { i * (n - 1) };
+    (0..count).map(move |i| strand.points[index(i)])
 }
 
 /// Where an island is likely to be entered.

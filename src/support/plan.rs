@@ -46,6 +46,8 @@ pub struct SupportPlan {
     pub top_gap: i32,
     /// Clear distance to the part below \[nm\].
     pub bottom_gap: i32,
+    /// How far the threads of bridges hang below the underside of their layer \[nm\].
+    pub thread_drop: i32,
     /// Layers are the part's.
     pub synchronized: bool,
     /// Thickness of support layers, least and greatest \[nm\].
@@ -139,6 +141,7 @@ impl SupportPlan {
             xy_gap: nm(s.support_material_xy_spacing.of(wall)) as f64,
             top_gap,
             bottom_gap,
+            thread_drop: gap(Flow::bridging(FlowRole::SolidInfill, layer, false, settings).height - layer),
             synchronized: s.support_material_synchronize_layers,
             heights: [height(least.min(layer)), height(most.min(settings.printer.nozzle_diameter))],
             first_height: height(first),

@@ -12,6 +12,7 @@ mod output;
 mod printers;
 mod same_bytes;
 mod settings;
+mod supports;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

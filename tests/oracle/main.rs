@@ -9,6 +9,8 @@ mod masks;
 mod nasty;
 mod plans;
 mod stupid;
+mod support_case;
+mod supports;
 
 use bodies::Random;
 use microtome::contour::trace::{LayerContours, TraceOptions, trace};

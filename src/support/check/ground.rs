@@ -1,6 +1,6 @@
 //! What a layer may lie on.
 
-use super::{LEVEL, Print, Rule, area};
+use super::{LEVEL, Print, Rule, area, supports_under};
 use crate::lattice::Point2;
 use crate::span::algebra::{and, dilate, or, sub};
 use crate::span::morph::dilate_disc;
@@ -92,7 +92,7 @@ impl Below {
         let slack = frame.pitch();
         Some(Self {
             part: below.map_or_else(Rows::default, |b| Rows::clone(b)),
-            supports: ending(print, z - rule.contact - LEVEL..z + LEVEL),
+            supports: supports_under(print, i, rule),
             reach: frame.units(reach) + slack,
             support_reach: frame.units(reach) + slack,
             between: frame.units(reach + rule.xy_gap) + slack,

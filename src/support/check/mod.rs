@@ -36,6 +36,7 @@ use super::{LayerKind, Part, SupportLayer, SupportPlan};
 use crate::lattice::{Point2, nm};
 use crate::settings::flow::{Flow, FlowRole};
 use crate::settings::{Settings, SupportStyle};
+use crate::span::algebra::or;
 use crate::span::components::label;
 use crate::span::{RowFrame, Rows};
 use rayon::prelude::*;
@@ -195,11 +196,17 @@ fn largest(area: &Rows, frame: &RowFrame) -> Option<(f64, Point2)> {
 }
 
 /// Everything that a layer of supports prints.
-pub(super) fn area(layer: &SupportLayer) -> Rows {
-    use crate::span::algebra::or;
+pub fn area(layer: &SupportLayer) -> Rows {
     or(&or(&layer.base, &layer.interface), &layer.bottom_interface)
 }
 
-fn is_raft(kind: LayerKind) -> bool {
+/// Supports that end near enough under layer `i` of the part to carry it.
+pub fn supports_under(print: &Print, i: usize, rule: &Rule) -> Rows {
+    let z = print.part.levels.get(i).map_or(0, |l| l.bottom);
+    ground::ending(print, z - rule.contact - LEVEL..z + LEVEL)
+}
+
+/// Whether a layer belongs to the raft.
+pub fn is_raft(kind: LayerKind) -> bool {
     matches!(kind, LayerKind::RaftFirst | LayerKind::RaftBase | LayerKind::RaftInterface)
 }

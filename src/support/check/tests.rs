@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::infill::Level;
+use crate::span::algebra::sub;
 use crate::span::scan;
 use std::sync::Arc;
 
@@ -67,8 +68,7 @@ impl Case {
     /// Supports under both arms that leave the gaps: layers 0 to 3.
     fn propped() -> Self {
         let mut case = Self::tee();
-        let both =
-            crate::span::algebra::or(&rectangle(-10.0, 0.0, -2.3, 8.0), &rectangle(2.3, 0.0, 10.0, 8.0));
+        let both = or(&rectangle(-10.0, 0.0, -2.3, 8.0), &rectangle(2.3, 0.0, 10.0, 8.0));
         case.supports = (1..=4)
             .map(|i| SupportLayer {
                 print_z: i * LAYER as i32,
@@ -123,7 +123,7 @@ fn supports_that_end_too_low_or_miss_a_place_are_seen() {
     // A hole of 2 mm between supports, bridged by nothing.
     let mut case = Case::propped();
     let top = case.supports.last_mut().unwrap();
-    top.base = crate::span::algebra::sub(&top.base, &rectangle(5.0, 3.0, 7.0, 5.0));
+    top.base = sub(&top.base, &rectangle(5.0, 3.0, 7.0, 5.0));
     let found = case.in_air();
     assert!((found[0].mm2 - 1.4 * 1.4).abs() < 0.4, "{}", found[0].mm2);
 }
@@ -147,7 +147,7 @@ fn the_gap_between_part_and_support_is_held_by_both() {
     let mut case = Case::propped();
     let wide = Rule { xy_gap: 1_000_000.0, ..rule() };
     case.supports.iter_mut().for_each(|l| {
-        l.base = crate::span::algebra::sub(&l.base, &rectangle(-3.0, 0.0, 3.0, 8.0));
+        l.base = sub(&l.base, &rectangle(-3.0, 0.0, 3.0, 8.0));
     });
     assert!(in_air(&case.print(), &wide).is_empty());
     assert_eq!(in_air(&case.print(), &rule()).len(), 1);
@@ -160,7 +160,7 @@ fn supports_keep_their_distances() {
     let sides =
         |case: &Case| clashes(&case.print(), &rule()).iter().map(|c| (c.layer, c.side)).collect::<Vec<_>>();
     let mut case = Case::propped();
-    case.supports[2].base = crate::span::algebra::or(&case.supports[2].base, &rectangle(2.1, 1.0, 3.0, 2.0));
+    case.supports[2].base = or(&case.supports[2].base, &rectangle(2.1, 1.0, 3.0, 2.0));
     assert_eq!(sides(&case), [(2, Side::Beside)]);
     // One layer more touches the bar.
     let mut case = Case::propped();
@@ -187,9 +187,7 @@ fn lines_over_air_are_bridges_only_from_end_to_end() {
     let case = Case::new(
         (0..3)
             .map(|i| match i {
-                0 | 1 => {
-                    crate::span::algebra::or(&rectangle(0.0, 0.0, 4.0, 9.0), &rectangle(12.0, 0.0, 16.0, 9.0))
-                }
+                0 | 1 => or(&rectangle(0.0, 0.0, 4.0, 9.0), &rectangle(12.0, 0.0, 16.0, 9.0)),
                 _ => rectangle(0.0, 0.0, 16.0, 9.0),
             })
             .collect(),
@@ -221,12 +219,12 @@ fn discs_around_what_is_left_are_discs_around_all() {
             (0..n).fold(Rows::default(), |all, _| {
                 let mut c = || random.within(0, 200) as f64 / 10.0;
                 let (x, y, w, h) = (c(), c(), c() / 4.0, c() / 4.0);
-                crate::span::algebra::or(&all, &rectangle(x, y, x + w, y + h))
+                or(&all, &rectangle(x, y, x + w, y + h))
             })
         };
         let (area, ground, frame) = (some(9), some(6), frame());
         let all = crate::span::morph::dilate_disc(&ground, 700_000, |k| frame.t(k));
-        let expected = crate::span::algebra::sub(&area, &all);
+        let expected = sub(&area, &all);
         let found = ground::far(&area, &ground, 700_000, &frame);
         assert_eq!(found.spans(), expected.spans(), "seed {seed}");
     }
