@@ -40,11 +40,14 @@ impl<'a> Clearance<'a> {
     /// `around` reaches further than the widest gap beyond everything that is of interest.
     pub fn of(&self, step: Step, around: &Rows) -> Free {
         let part = self.union(self.beside(step), around);
-        let mut with_gaps = self.grown(&part, self.plan.xy_gap);
-        for i in self.above(step) {
-            let gap = self.plan.xy_gap.min(reach(self.part.levels, i, self.plan));
-            with_gaps = or(&with_gaps, &self.grown(&self.union(i..i + 1, around), gap));
+        let above = self.above(step);
+        if above.clone().all(|i| self.gap(i) == self.plan.xy_gap) {
+            let with_gaps = self.grown(&or(&part, &self.union(above, around)), self.plan.xy_gap);
+            return Free { part, with_gaps };
         }
+        let beside = self.grown(&part, self.plan.xy_gap);
+        let with_gaps =
+            above.fold(beside, |all, i| or(&all, &self.grown(&self.union(i..i + 1, around), self.gap(i))));
         Free { part, with_gaps }
     }
 
@@ -52,9 +55,7 @@ impl<'a> Clearance<'a> {
     pub fn same(&self, a: Step, b: Step) -> bool {
         let outlines = |step| {
             let (beside, above) = (self.beside(step), self.above(step));
-            let near = |i: usize| {
-                (Arc::as_ptr(&self.part.outlines[i]), reach(self.part.levels, i, self.plan).to_bits())
-            };
+            let near = |i: usize| (Arc::as_ptr(&self.part.outlines[i]), self.gap(i).to_bits());
             (beside.map(|i| near(i).0).collect::<Vec<_>>(), above.map(near).collect::<Vec<_>>())
         };
         let distinct = |(mut beside, mut above): (Vec<_>, Vec<_>)| {
@@ -63,6 +64,12 @@ impl<'a> Clearance<'a> {
             (beside, above)
         };
         distinct(outlines(a)) == distinct(outlines(b))
+    }
+
+    /// The gap beside layer `i` of the part where support ends below it \[nm\]: no wider than what the next
+    /// layer may hang over it.
+    fn gap(&self, i: usize) -> f64 {
+        self.plan.xy_gap.min(reach(self.part.levels, i, self.plan))
     }
 
     /// The layers of the part beside a layer of support or so near below that it may not stand there.

@@ -20,9 +20,13 @@ pub struct Hanging {
     pub area: Rows,
     /// Where it lies further out than it may without support.
     pub far: Rows,
-    /// Where it hangs so far out that a line would lie in air with all its width.
+    /// Where it hangs so far out that a line would lie in air with most of its width.
     pub deep: Rows,
 }
+
+/// Lines that lie in air with more than this share of their width want dense layers under them, in style
+/// grid.
+const IN_AIR: f64 = 0.75;
 
 /// The end of the columns at one layer of support.
 #[derive(Clone, Debug, Default)]
@@ -53,31 +57,41 @@ fn of_layer(part: Part, i: usize, overhang: &Overhang, plan: &SupportPlan) -> Ve
     let top = (part.levels[i].bottom as i32).saturating_sub(plan.top_gap);
     let wall = frame.units(2.0 * plan.half_wall);
     let below = and(&part.outlines[i - 1], &shape::box_around(&area, wall, frame));
-    let far = sub(&area, &dilate_disc(&below, frame.units(reach(part.levels, i - 1, plan)), t));
-    let deep = if far.is_empty() { Rows::default() } else { sub(&far, &dilate_disc(&below, wall, t)) };
-    if plan.thread_drop == 0 || deep.is_empty() {
+    let reach = reach(part.levels, i - 1, plan);
+    let far = sub(&area, &dilate_disc(&below, frame.units(reach.max(plan.half_wall)), t));
+    let beyond = |distance: i64| match far.is_empty() {
+        true => Rows::default(),
+        false => sub(&far, &dilate_disc(&below, distance, t)),
+    };
+    let deep = match plan.style {
+        SupportStyle::Grid => beyond(frame.units(2.0 * IN_AIR * plan.half_wall)),
+        _ => Rows::default(),
+    };
+    let threads = if plan.thread_drop > 0 { beyond(wall) } else { Rows::default() };
+    if threads.is_empty() {
         return vec![Hanging { top, area, far, deep }];
     }
     // The line beside those in air hangs no lower than they do, yet a layer of its own is not worth while.
-    let low = and(&area, &dilate_disc(&deep, wall + 2 * frame.pitch(), t));
+    let low = and(&area, &dilate_disc(&threads, wall + 2 * frame.pitch(), t));
     let high = sub(&area, &low);
-    let far_low = and(&far, &low);
-    let mut both = vec![Hanging { top: top.saturating_sub(plan.thread_drop), area: low, far: far_low, deep }];
+    let lower = top.saturating_sub(plan.thread_drop);
+    let part_of = |all: &Rows| [and(all, &low), and(all, &high)];
+    let ([far_low, far_high], [deep_low, deep_high]) = (part_of(&far), part_of(&deep));
+    let mut both = vec![Hanging { top: lower, far: far_low, deep: deep_low, area: low }];
     if !high.is_empty() {
-        let far = and(&far, &high);
-        both.push(Hanging { top, area: high, far, deep: Rows::default() });
+        both.push(Hanging { top, area: high, far: far_high, deep: deep_high });
     }
     both
 }
 
-/// How far the layer above layer `i` may hang over it \[nm\]: as its slope allows, or half a wall.
+/// How far the layer above layer `i` may hang over it \[nm\]: as its slope allows.
 pub fn reach(levels: &[Level], i: usize, plan: &SupportPlan) -> f64 {
     let own = levels[i];
     let above = levels.get(i + 1).unwrap_or(&own);
     // From one cutting plane to the next.
     let rise = 0.5 * (above.top + above.bottom - own.top - own.bottom) as f64;
-    let by_slope = plan.threshold.map_or(0.0, |degrees| rise / libm::tan(degrees.to_radians()));
-    by_slope.clamp(0.0, NM_PER_MM * 100.0).max(plan.half_wall)
+    let by_slope = plan.threshold.map_or(plan.half_wall, |degrees| rise / libm::tan(degrees.to_radians()));
+    by_slope.clamp(0.0, NM_PER_MM * 100.0)
 }
 
 /// The contacts of each layer of support: what hangs ends columns at the highest layer that is no higher

@@ -1,13 +1,44 @@
 //! Areas that can be printed: closed, wide enough, without slivers.
 
-use crate::span::algebra::{and, dilate, or, sub};
+use crate::span::algebra::{and, or, sub};
 use crate::span::morph::{dilate_disc, erode_disc};
-use crate::span::{RowFrame, Rows, RowsBuilder};
+use crate::span::{RowFrame, Rows, RowsBuilder, Span};
 
-/// What lies at most `by` \[units\] from an area, and something beyond.
+/// Rows that [`box_around`] treats alike.
+const BLOCK: i32 = 16;
+
+/// What lies at most `by` \[units\] from an area along and across the rows, and something beyond.
 pub fn box_around(area: &Rows, by: i64, frame: &RowFrame) -> Rows {
-    let across = by / frame.pitch().max(1) + 1;
-    dilate(area, across as u32, by.clamp(0, 1 << 30) as i32 + 1)
+    if area.is_empty() {
+        return Rows::default();
+    }
+    let across = (by / frame.pitch().max(1)).clamp(0, 1 << 20) as i32 + 1;
+    let along = by.clamp(0, 1 << 30) as i32 + 1;
+    let (first, end) = (area.first() - across, area.end() + across);
+    let mut out = RowsBuilder::with_capacity(first, (end - first) as usize, area.spans().len());
+    let mut near: Vec<Span> = Vec::new();
+    for begin in (first..end).step_by(BLOCK as usize) {
+        let rows = end.min(begin + BLOCK) - begin;
+        near.clear();
+        (begin - across..begin + rows + across).for_each(|k| near.extend_from_slice(area.row(k)));
+        near.sort_unstable();
+        let mut kept = 0;
+        for i in 0..near.len() {
+            let s = near[i];
+            let grown = Span { start: s.start.saturating_sub(along), end: s.end.saturating_add(along) };
+            if kept > 0 && grown.start <= near[kept - 1].end {
+                near[kept - 1].end = near[kept - 1].end.max(grown.end);
+            } else {
+                near[kept] = grown;
+                kept += 1;
+            }
+        }
+        for _ in 0..rows {
+            near[..kept].iter().for_each(|s| out.push(s.start, s.end));
+            out.end_row();
+        }
+    }
+    out.finish()
 }
 
 /// The area with gaps up to twice `radius` \[nm\] closed.
