@@ -92,7 +92,7 @@ impl Laying {
     fn is_thin(&self, area: &ExPolygon, walls: &[ExPolygon]) -> bool {
         let apart = APART * self.spacing;
         // Somewhere an area is at least as wide as on average.
-        let length: f64 = area.rings().map(|r| length(r)).sum();
+        let length: f64 = area.rings().map(length).sum();
         let mean = 2e12 * area.area_mm2() / length.max(1.0);
         mean < self.width + apart && walls.iter().all(|w| shrink(w, (0.5 * apart) as i64).is_empty())
     }
