@@ -62,7 +62,7 @@ impl Laying {
             if walls.is_empty() || self.is_thin(area, &walls) {
                 self.thin(area, &walls);
             } else if walled || is_bare {
-                self.loops(&walls);
+                self.loops_or_lines(&walls);
             }
         }
     }
@@ -74,7 +74,7 @@ impl Laying {
             return self.thin(area, &inner);
         }
         for _ in 0..count {
-            self.loops(&inner);
+            self.loops_or_lines(&inner);
             inner = shrink_all(&inner, pitch.round().max(1.0) as i64);
             if inner.is_empty() {
                 return;
@@ -92,7 +92,7 @@ impl Laying {
     fn is_thin(&self, area: &ExPolygon, walls: &[ExPolygon]) -> bool {
         let apart = APART * self.spacing;
         // Somewhere an area is at least as wide as on average.
-        let length: f64 = area.rings().map(|r| length(r)).sum();
+        let length: f64 = area.rings().map(length).sum();
         let mean = 2e12 * area.area_mm2() / length.max(1.0);
         mean < self.width + apart && walls.iter().all(|w| shrink(w, (0.5 * apart) as i64).is_empty())
     }
@@ -104,6 +104,22 @@ impl Laying {
             self.loops(walls);
         }
         self.strands.extend(own);
+    }
+
+    /// Loops along the borders of areas; where both sides of one lie upon each other, one of them.
+    fn loops_or_lines(&mut self, areas: &[ExPolygon]) {
+        let apart = APART * self.spacing;
+        for area in areas {
+            let length: f64 = area.rings().map(length).sum();
+            let is_flat = area.holes.is_empty()
+                && length > 4.0 * self.width
+                && 2e12 * area.area_mm2() < apart * length
+                && shrink(area, (0.5 * apart) as i64).is_empty();
+            match thin::one_side(&area.contour).filter(|line| is_flat && line.len() > 1) {
+                Some(points) => self.strands.push(Strand { points, closed: false, kind: self.kind }),
+                None => self.loops(std::slice::from_ref(area)),
+            }
+        }
     }
 
     /// The borders of areas.

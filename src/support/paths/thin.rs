@@ -2,6 +2,7 @@
 
 use super::shrink::shrink;
 use crate::contour::ExPolygon;
+use crate::lattice::Point2;
 use crate::region::gaps::thin_walls;
 use crate::support::{Strand, StrandKind};
 use std::f64::consts::PI;
@@ -36,4 +37,19 @@ pub fn strands(area: &ExPolygon, width: f64, kind: StrandKind) -> Vec<Strand> {
         ring.iter().zip(next).map(|(a, b)| a.distance(*b)).sum::<f64>() < 2.0 * PI * width
     });
     spot.map(|points| Strand { points, closed: true, kind }).into_iter().collect()
+}
+
+/// The shorter way along a ring between two of its points that are far from each other; `None` for a ring
+/// without points.
+pub fn one_side(ring: &[Point2]) -> Option<Vec<Point2>> {
+    let farthest = |from: Point2| {
+        (0..ring.len()).max_by(|&a, &b| ring[a].distance(from).total_cmp(&ring[b].distance(from)))
+    };
+    let a = farthest(*ring.first()?)?;
+    let b = farthest(ring[a])?;
+    let (low, high) = (a.min(b), a.max(b));
+    let inner = ring[low..=high].to_vec();
+    let outer: Vec<Point2> = ring[high..].iter().chain(&ring[..=low]).copied().collect();
+    let way = |points: &[Point2]| points.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
+    Some(if way(&inner) <= way(&outer) { inner } else { outer })
 }
