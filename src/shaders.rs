@@ -151,6 +151,16 @@ pub struct SpanSizes {
     pub offsets: [u32; 16],
 }
 
+/// Uniform of the kernels that keep what is out of reach.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct BeyondSizes {
+    /// Rows of all areas.
+    pub rows: u32,
+    /// Zero.
+    pub padding: [u32; 3],
+}
+
 /// Exclusive prefix sums within blocks. Bindings: sizes, values, sums, block sums.
 pub const SCAN_BLOCK: Kernel = Kernel {
     name: "scan_block",
@@ -434,6 +444,49 @@ pub const SPAN_COMPACT: Kernel = Kernel {
     bindings: &[Binding::Uniform, Binding::Read, Binding::Read, Binding::Read, Binding::Write],
 };
 
+/// How many spans of each row are out of reach. Bindings: sizes, offset, spans, places, cover offset, cover,
+/// widths, count.
+pub const BEYOND_COUNT: Kernel = Kernel {
+    name: "beyond_count",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/beyond.wgsl"),
+        include_str!("../shaders/beyond_count.wgsl")
+    ),
+    bindings: &[
+        Binding::Uniform,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Write,
+    ],
+};
+
+/// The spans that are out of reach. Bindings: those of [`BEYOND_COUNT`] up to the widths, offset of what is
+/// left, left.
+pub const BEYOND_FILL: Kernel = Kernel {
+    name: "beyond_fill",
+    wgsl: concat!(
+        include_str!("../shaders/shared/grid.wgsl"),
+        include_str!("../shaders/shared/beyond.wgsl"),
+        include_str!("../shaders/beyond_fill.wgsl")
+    ),
+    bindings: &[
+        Binding::Uniform,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Read,
+        Binding::Write,
+    ],
+};
+
 /// Every kernel of the crate.
 pub const fn sources() -> &'static [Kernel] {
     &[
@@ -457,5 +510,7 @@ pub const fn sources() -> &'static [Kernel] {
         SPAN_FILL,
         SPAN_SORT,
         SPAN_COMPACT,
+        BEYOND_COUNT,
+        BEYOND_FILL,
     ]
 }

@@ -3,6 +3,8 @@
 //! Each test's name ends with the adapter it ran on. Without any adapter every test is shown as ignored;
 //! `MICROTOME_REQUIRE_GPU=1` makes that a failure. `MICROTOME_ADAPTER` picks by a part of the name.
 
+#[path = "gpu/beyond.rs"]
+mod beyond;
 #[path = "gpu/build.rs"]
 mod build;
 #[path = "gpu/compare.rs"]
@@ -82,6 +84,7 @@ fn main() -> ExitCode {
         build::TESTS,
         span::TESTS,
         span_limits::TESTS,
+        beyond::TESTS,
         infill_rows::TESTS,
         limits::TESTS,
         faults::TESTS,

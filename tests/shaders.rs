@@ -8,7 +8,8 @@
 mod kernels;
 
 use microtome::shaders::{
-    AddSizes, Binding, EdgeSizes, Kernel, ScanSizes, SliceSizes, SortSizes, SpanSizes, WeldSizes, sources,
+    AddSizes, BeyondSizes, Binding, EdgeSizes, Kernel, ScanSizes, SliceSizes, SortSizes, SpanSizes,
+    WeldSizes, sources,
 };
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
@@ -43,6 +44,7 @@ fn layout_of(kernel: &Kernel) -> Layout {
             SpanSizes, a, b, base, pitch, lines, sub_rows, rows, planes, triangles, segments, crossings,
             offsets
         ),
+        name if name.starts_with("beyond_") => layout!(BeyondSizes, rows),
         other => panic!("state the uniform of {other} here"),
     }
 }
@@ -148,7 +150,7 @@ fn every_file_is_part_of_a_kernel() {
             }
         }
     }
-    assert_eq!(files, sources().len() + 11);
+    assert_eq!(files, sources().len() + 12);
 }
 
 #[test]

@@ -9,6 +9,7 @@ use std::process::{Command, Output};
 
 pub const TESTS: &[Test] = &[
     ("gcode_files_equal_the_cpu's", files),
+    ("gcode_files_with_supports_equal_the_cpu's", supports),
     ("mask_files_equal_the_cpu's", masks),
     ("mask_files_survive_a_failing_device", failing),
     ("a_missing_gpu_is_exit_code_5_without_a_file", missing),
@@ -47,6 +48,26 @@ fn files(bench: &Bench) -> Result<(), Failed> {
         ensure(cpu.len() > 10_000, format!("{name}: {} bytes", cpu.len()))?;
         ensure(cpu == gpu, format!("{name}: the files differ"))?;
         let planted = gcode(dir.path(), &["--backend", "cpu", "--layer-height", "0.31"])?;
+        ensure(cpu != planted, format!("{name}: the comparison is blind"))?;
+    }
+    Ok(())
+}
+
+/// Supports rest on what slicing found, on whichever device.
+fn supports(bench: &Bench) -> Result<(), Failed> {
+    let adapter = bench.adapter.info.name.as_str();
+    let bodies = [("the demo part", demo_part()), ("a ball", shapes::sphere(8.0, 80, 60))];
+    for (name, mesh) in bodies {
+        let dir = tempfile::tempdir()?;
+        let mut stl = Vec::new();
+        write_stl_binary(&mesh, &mut stl)?;
+        std::fs::write(dir.path().join("model.stl"), stl)?;
+        let on = ["--set", "support_material=1", "--set", "support_material_threshold=45"];
+        let file = |with: &[&str]| gcode(dir.path(), &[&on, with].concat());
+        let cpu = file(&["--backend", "cpu"])?;
+        let gpu = file(&["--backend", "gpu", "--adapter", adapter, "--threads", "1"])?;
+        ensure(cpu == gpu, format!("{name}: the files differ"))?;
+        let planted = file(&["--backend", "cpu", "--set", "support_material_threshold=20"])?;
         ensure(cpu != planted, format!("{name}: the comparison is blind"))?;
     }
     Ok(())

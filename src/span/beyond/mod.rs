@@ -1,5 +1,10 @@
 //! What of an area lies out of reach of another one.
 
+#[cfg(feature = "gpu")]
+pub mod gpu;
+pub mod pairs;
+pub mod twin;
+
 use super::{Rows, RowsBuilder, Span};
 use std::mem::swap;
 
@@ -84,11 +89,20 @@ fn cut(row: &[Span], cover: &[Span], by: i32, out: &mut Vec<Span>) {
 }
 
 #[cfg(test)]
+#[allow(clippy::expect_used)]
 mod tests {
+    use super::pairs::{Pairs, REACH};
     use super::*;
+    use crate::slice::cpu;
     use crate::span::algebra::{dilate, sub};
     use crate::span::morph::dilate_disc;
     use crate::span::tests::Random;
+
+    /// What the kernels would leave.
+    fn by_twins(pairs: &Pairs) -> Option<Vec<Rows>> {
+        let offset = cpu::scan(&twin::count(pairs));
+        pairs.unpack(&offset, &twin::fill(pairs, &offset))
+    }
 
     /// Up to six spans in each of some rows.
     fn area(random: &mut Random) -> Rows {
@@ -134,5 +148,49 @@ mod tests {
             let expected = sub(&a, &dilate_disc(&thick, radius, |k| i64::from(k) * pitch));
             assert_eq!(found, expected, "seed {seed}");
         }
+    }
+
+    #[test]
+    fn the_twins_leave_the_same() {
+        let (mut spans, mut faults) = (0, 0);
+        for seed in 1..40 {
+            let mut random = Random(seed * 15_485_863);
+            let (mut pairs, mut expected) = (Pairs::default(), Vec::new());
+            for _ in 0..random.below(9) {
+                let (a, b) = (area(&mut random), area(&mut random));
+                let widths = thick_half_widths(random.within(0, 60), random.within(1, 30), seed as u32 % 2);
+                assert!(pairs.push(&a, &b, &widths), "seed {seed}");
+                expected.push(beyond(&a, &b, &widths));
+            }
+            let found = by_twins(&pairs).expect("rows");
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(&expected) {
+                assert_eq!(found.spans(), expected.spans(), "seed {seed}");
+                let rows = expected.first()..expected.end();
+                assert!(rows.clone().all(|k| found.row(k) == expected.row(k)), "seed {seed}");
+                spans += found.spans().len();
+            }
+            pairs.widths.iter_mut().for_each(|width| *width += 1);
+            let wrong = by_twins(&pairs).expect("rows");
+            faults += u32::from(wrong.iter().zip(&expected).any(|(w, e)| w.spans() != e.spans()));
+        }
+        assert!(spans > 1000 && faults > 10, "{spans}, {faults}");
+    }
+
+    #[test]
+    fn what_32_bits_do_not_hold_is_refused() {
+        let span = |start, end| {
+            let mut out = RowsBuilder::new(0);
+            out.push(start, end);
+            out.end_row();
+            out.finish()
+        };
+        let (small, large) = (span(0, 9), span(0, REACH));
+        let mut pairs = Pairs::default();
+        assert!(pairs.push(&small, &small, &[]) && pairs.push(&small, &Rows::default(), &[REACH - 1]));
+        assert!(!pairs.push(&large, &small, &[0]) && !pairs.push(&small, &large, &[0]));
+        assert!(!pairs.push(&small, &small, &[REACH]) && !pairs.push(&small, &small, &[-1]));
+        let left = by_twins(&pairs).expect("rows");
+        assert_eq!((left.len(), left[0].is_empty(), &left[1]), (2, true, &small));
     }
 }
