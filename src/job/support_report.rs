@@ -111,6 +111,8 @@ pub struct AirSummary {
     pub part_mm2: f64,
     /// How much of the supports \[mm²\].
     pub supports_mm2: f64,
+    /// How much of the part no support could hold that keeps its distances \[mm²\].
+    pub cramped_mm2: f64,
     /// On how many layers of the part.
     pub layers: usize,
     /// The largest piece of the part.
@@ -179,8 +181,10 @@ pub fn warning(air: &AirSummary, subject: &Subject) -> Option<String> {
         "support_material_auto is off: cover it with --support-enforcer"
     } else if s.support_material_buildplate_only {
         "support_material_buildplate_only keeps supports off the part: turn it off, or turn the part"
+    } else if air.cramped_mm2 > 0.5 * air.part_mm2 {
+        "the part is too near for supports: make support_material_xy_spacing or support_material_contact_distance smaller"
     } else {
-        "turn the part, try another support_material_style, or make support_material_xy_spacing smaller"
+        "turn the part or try another support_material_style"
     };
     Some(format!(
         "{}: {:.1} mm2 on {} layers are printed in air, {:.1} mm2 of it in one piece at z = {:.2}, x = {:.2}, y = {:.2} mm; {remedy}",
@@ -287,6 +291,7 @@ fn air(found: &[InAir], origin: [i64; 3]) -> AirSummary {
     AirSummary {
         part_mm2: sum(true),
         supports_mm2: sum(false),
+        cramped_mm2: found.iter().map(|a| a.cramped_mm2).sum(),
         layers: found.iter().filter(|a| is_part(a)).count(),
         largest: largest.map(|a| {
             let (What::Part(layer) | What::Support(layer)) = a.what;

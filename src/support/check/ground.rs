@@ -29,6 +29,11 @@ impl Ground {
         Self { frame: *print.part.frame, rows: below.map(|b| b.all(print.part.frame)) }
     }
 
+    /// Takes an area in.
+    pub fn add(&mut self, area: &Rows) {
+        self.rows = self.rows.take().map(|rows| or(&rows, area));
+    }
+
     /// Whether a point lies on it.
     pub fn holds(&self, p: Point2) -> bool {
         let Some(rows) = &self.rows else { return true };
@@ -155,6 +160,25 @@ impl Below {
         }
         or(&on, &and(&grown(&self.part, self.between), &grown(&self.supports, self.between)))
     }
+}
+
+/// The part of `area`, of layer `i` of the part, that no support can hold: the place below it is nearer to
+/// the part than the gap beside, or the part lies below and leaves no room between the gaps.
+pub(super) fn cramped(print: &Print, i: usize, rule: &Rule, area: &Rows) -> Rows {
+    let (part, frame) = (print.part, print.part.frame);
+    let Some(level) = part.levels.get(i).filter(|_| !area.is_empty()) else { return Rows::default() };
+    let reach = frame.units(rule.reach(part, i)) + frame.pitch();
+    let beside = reach + frame.units(rule.xy_gap) + frame.pitch();
+    let first = part.levels.partition_point(|l| l.top < level.bottom - rule.room - LEVEL);
+    // Those that a support at the greatest distance would stand beside.
+    let next = part.levels.partition_point(|l| l.top < level.bottom - rule.contact - LEVEL).max(first);
+    let mut left = area.clone();
+    for (range, radius) in [(first..next, reach), (next..i, beside)] {
+        for outline in part.outlines.get(range).unwrap_or_default() {
+            left = far(&left, outline, radius, frame);
+        }
+    }
+    sub(area, &left)
 }
 
 /// All supports whose upper side lies in a range of heights.
