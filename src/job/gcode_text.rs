@@ -3,9 +3,11 @@
 use super::filament::FilamentJob;
 use crate::gcode::LayerText;
 use crate::gcode::template::{TemplateError, expand};
-use crate::lattice::mm;
+use crate::lattice::{Point2, mm};
 use crate::path::PrintLayer;
 use crate::resin::date::civil;
+use crate::settings::Settings;
+use crate::settings::flow::{Flow, FlowRole};
 
 /// Templates with their placeholders filled in, and what is needed to fill in those of the layers.
 #[derive(Debug)]
@@ -75,8 +77,7 @@ impl<'a> GcodeText<'a> {
 fn values(layers: &[PrintLayer], origin: [i64; 3], job: &FilamentJob<'_>) -> Vec<(&'static str, String)> {
     let printer = &job.settings.printer;
     let bed = bounds(printer.bed_shape.iter().copied());
-    let walls = layers.iter().take(1).flat_map(|l| &l.islands).flat_map(|i| &i.walls).flat_map(|w| &w.ring);
-    let first = bounds(walls.map(|p| [mm(i64::from(p.x) + origin[0]), mm(i64::from(p.y) + origin[1])]));
+    let first = layers.first().map_or([[0.0; 2]; 2], |layer| extents(layer, origin, job.settings));
     let top = layers.last().map_or(0.0, |l| mm(l.z.print_z)) + printer.z_offset;
     let mut values = vec![
         ("input_filename_base", job.stem.clone()),
@@ -119,6 +120,21 @@ fn indexed(name: &str) -> [&'static str; 2] {
     }
 }
 
+/// The corners of the box around all beads of the first layer \[mm\], those of skirt, brim, supports and raft
+/// among them.
+fn extents(layer: &PrintLayer, origin: [i64; 3], settings: &Settings) -> [[f64; 2]; 2] {
+    let flow = |role| Flow::new(role, mm(layer.z.height), true, settings);
+    let place = |p: &Point2| [mm(i64::from(p.x) + origin[0]), mm(i64::from(p.y) + origin[1])];
+    let grown = |reach: f64| move |p: [f64; 2]| [[p[0] - reach, p[1] - reach], [p[0] + reach, p[1] + reach]];
+    let wall = 0.5 * flow(FlowRole::ExternalPerimeter).width;
+    let walls = layer.islands.iter().flat_map(|i| &i.walls).flat_map(|w| &w.ring);
+    // Neighbouring beads share what is between a spacing and a width.
+    let beside = 0.5 * flow(FlowRole::Skirt).spacing();
+    let strands = layer.brim.iter().chain(&layer.supports).flat_map(|s| &s.points);
+    let others = layer.skirt.iter().flatten().chain(strands);
+    bounds(walls.map(place).flat_map(grown(wall)).chain(others.map(place).flat_map(grown(beside))))
+}
+
 fn bounds(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
     points
         .fold(None, |found: Option<[[f64; 2]; 2]>, p| {
@@ -144,6 +160,10 @@ fn date(seconds: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::PrintIsland;
+    use crate::region::Wall;
+    use crate::slice::planes::LayerZ;
+    use crate::support::{Strand, StrandKind};
 
     #[test]
     fn dates_are_the_calendars() {
@@ -151,6 +171,34 @@ mod tests {
         assert_eq!(date(951_827_696), "2000-02-29 at 12:34:56 UTC");
         assert_eq!(date(4_107_542_399), "2100-02-28 at 23:59:59 UTC");
         assert_eq!(date(-1), "1969-12-31 at 23:59:59 UTC");
+    }
+
+    #[test]
+    fn the_first_layer_reaches_to_the_edges_of_its_beads() {
+        let ring =
+            |half: i32| [(-1, -1), (1, -1), (1, 1), (-1, 1)].map(|(x, y)| Point2::new(half * x, half * y));
+        let wall = Wall { ring: ring(4_000_000).to_vec(), ..Wall::default() };
+        let islands = vec![PrintIsland { walls: vec![wall], ..PrintIsland::default() }];
+        let z = LayerZ { slice_z: 1, print_z: 200_000, height: 200_000 };
+        let mut layer = PrintLayer { z, islands, ..PrintLayer::default() };
+        let (settings, origin) = (Settings::default(), [10_000_000, 20_000_000, 0]);
+        let flow = |role| Flow::new(role, 0.2, true, &settings);
+        let half = 4.0 + 0.5 * flow(FlowRole::ExternalPerimeter).width;
+        let near = |a: [[f64; 2]; 2], half: f64| {
+            let wanted = [10.0 - half, 20.0 - half, 10.0 + half, 20.0 + half];
+            a.as_flattened().iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9)
+        };
+        assert!(near(extents(&layer, origin, &settings), half));
+        // A raft has no walls, and a skirt lies further out.
+        let strand = |half: i32| Strand { points: ring(half).to_vec(), closed: true, kind: StrandKind::Base };
+        let beside = 0.5 * flow(FlowRole::Skirt).spacing();
+        layer.islands.clear();
+        layer.supports.push(strand(5_000_000));
+        assert!(near(extents(&layer, origin, &settings), 5.0 + beside));
+        layer.brim.push(strand(6_000_000));
+        assert!(near(extents(&layer, origin, &settings), 6.0 + beside));
+        layer.skirt.push(ring(9_000_000).to_vec());
+        assert!(near(extents(&layer, origin, &settings), 9.0 + beside));
     }
 
     #[test]

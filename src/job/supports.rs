@@ -74,7 +74,8 @@ pub fn is_wanted(settings: &Settings) -> bool {
 
 /// Supports and raft; `z` are the heights of the part's layers above the bed.
 ///
-/// On the bed supports leave the brim's area free, as in PrusaSlicer: what they would print there the brim does.
+/// On the bed the lines of supports leave the brim's area free, as in PrusaSlicer: what they would print there
+/// the brim does.
 pub fn supports(
     islands: &[Vec<Island>],
     z: &[LayerZ],
@@ -88,10 +89,7 @@ pub fn supports(
         let rows = OnRows::new(islands, z, plan.frame);
         let bridges = Bridges { of_layer: bridges.0, frame: bridges.1 };
         all.overhangs = overhangs(rows.part(), modifiers, bridges, &plan);
-        let mut columns = support::supports(rows.part(), &all.overhangs, &plan);
-        if let Some(first) = columns.first_mut().filter(|l| l.bottom_z() <= 0) {
-            leave_brim(first, islands, &plan, settings);
-        }
+        let columns = support::supports(rows.part(), &all.overhangs, &plan);
         if let Some(first) = rows.outlines.first().filter(|_| !heights.layers.is_empty()) {
             let stands = columns.first().filter(|l| l.bottom_z() <= heights.top());
             let feet =
@@ -99,21 +97,64 @@ pub fn supports(
             all.layers = raft::raft(first, &feet, &heights, &plan);
         }
         all.layers.extend(columns);
+        let under_brim = all.layers.first_mut().filter(|l| l.bottom_z() <= 0 && adhesion::has_brim(settings));
+        let whole = under_brim.map(|first| leave_brim(first, islands, &plan, settings));
         all.strands = paths::strands(&all.layers, &plan);
+        // The layer above stands on the brim as it would on this one.
+        all.layers.iter_mut().zip(whole).for_each(|(first, whole)| *first = whole);
         all.rows = Some(rows);
     }
     all
 }
 
-/// Takes the brim's area out of a layer on the bed.
-fn leave_brim(layer: &mut SupportLayer, islands: &[Vec<Island>], plan: &SupportPlan, settings: &Settings) {
-    if !adhesion::has_brim(settings) {
-        return;
-    }
+/// Takes the brim's area out of a layer on the bed; returns the layer as it was.
+fn leave_brim(
+    layer: &mut SupportLayer,
+    islands: &[Vec<Island>],
+    plan: &SupportPlan,
+    settings: &Settings,
+) -> SupportLayer {
     let area = brim::cover(&adhesion::footprint(islands), adhesion::flow(settings), &settings.adhesion);
     let area = scan(area.iter().flat_map(ExPolygon::rings).map(|r| &r[..]), &plan.frame);
+    let whole = layer.clone();
     let SupportLayer { base, thick, interface, contact, bottom_interface, .. } = layer;
     for of_support in [base, thick, interface, contact, bottom_interface] {
         *of_support = sub(of_support, &area);
+    }
+    whole
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::Point2;
+    use crate::span::algebra::and;
+
+    fn rectangle(low: [i32; 2], high: [i32; 2]) -> ExPolygon {
+        let corners = [[low[0], low[1]], [high[0], low[1]], high, [low[0], high[1]]];
+        let contour = corners.map(|[x, y]| Point2::new(x * 1_000_000, y * 1_000_000)).to_vec();
+        ExPolygon { contour, holes: Vec::new() }
+    }
+
+    #[test]
+    fn lines_on_the_bed_leave_the_brims_area_to_it() {
+        let mut settings = Settings::default();
+        settings.adhesion.brim_width = 4.0;
+        let plan = SupportPlan::new(&settings);
+        let rows = |area: &ExPolygon| scan(area.rings().map(|r| &r[..]), &plan.frame);
+        let outline = rectangle([0, 0], [20, 10]);
+        let islands = vec![vec![Island { outline, ..Island::default() }]];
+        let whole = SupportLayer {
+            base: rows(&rectangle([22, 0], [40, 10])),
+            interface: rows(&rectangle([0, -9], [20, -1])),
+            ..SupportLayer::default()
+        };
+        let mut left = whole.clone();
+        assert_eq!(leave_brim(&mut left, &islands, &plan, &settings), whole);
+        let brim = rows(&rectangle([20, 0], [23, 10]));
+        assert!(!and(&whole.base, &brim).is_empty() && and(&left.base, &brim).is_empty());
+        // Beyond it nothing is lost.
+        let beyond = [rows(&rectangle([25, 0], [40, 10])), rows(&rectangle([0, -9], [20, -5]))];
+        assert!(sub(&beyond[0], &left.base).is_empty() && sub(&beyond[1], &left.interface).is_empty());
     }
 }

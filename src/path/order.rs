@@ -97,10 +97,13 @@ impl<'a> Planner<'a> {
             height => Lines::new(height, index == 0, self.settings),
         };
         let mut sheet = Sheet::new(out, lines, self.settings, &mut buffers);
+        // A draft shield closes the gap between raft and part, which the part's own lines leave.
+        let skirt_lines = match layer.skirt_height {
+            height if height > layer.z.height => Lines::new(mm(height), index == 0, self.settings),
+            _ => lines,
+        };
         for ring in &layer.skirt {
-            if let Some((seam, _)) = nearest_on(ring, self.at) {
-                self.at = sheet.closed(ring, &[], seam, Role::Skirt, self.at);
-            }
+            self.at = sheet.around(ring, Role::Skirt, &skirt_lines, self.at);
         }
         for strand in layer.brim.iter() {
             self.at = sheet.strand(strand, false, &lines, self.at);

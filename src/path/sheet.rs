@@ -132,13 +132,20 @@ impl<'a> Sheet<'a> {
     pub fn strand(&mut self, strand: &Strand, reversed: bool, lines: &Lines, from: Point2) -> Point2 {
         let (first, role) = (self.out.points.len(), Role::of_strand(strand.kind));
         if strand.closed {
-            let Some((seam, _)) = nearest_on(&strand.points, from) else { return from };
-            cut_open(&strand.points, seam, self.gap(), &mut self.out.points);
+            return self.around(&strand.points, role, lines, from);
         } else if reversed {
             self.out.points.extend(strand.points.iter().rev());
         } else {
             self.out.points.extend_from_slice(&strand.points);
         }
+        self.extrude(first, role, *lines.of(role), from)
+    }
+
+    /// Adds a loop beside the part as one of `lines`, begun where the nozzle is nearest.
+    pub fn around(&mut self, ring: &[Point2], role: Role, lines: &Lines, from: Point2) -> Point2 {
+        let Some((seam, _)) = nearest_on(ring, from) else { return from };
+        let first = self.out.points.len();
+        cut_open(ring, seam, self.gap(), &mut self.out.points);
         self.extrude(first, role, *lines.of(role), from)
     }
 

@@ -177,3 +177,21 @@ fn only_the_lowest_layer_is_the_first() {
     let fans: Vec<bool> = plan(&layers, Point2::default(), &cooled).iter().map(|l| l.fan > 0.0).collect();
     assert_eq!(fans, [false, false, true, true]);
 }
+
+#[test]
+fn the_skirt_beside_a_raft_closes_the_gap_above_it() {
+    let square = rectangle(0, 0, 20_000_000, 20_000_000);
+    let skirt = vec![rectangle(-9_000_000, -9_000_000, 50_000_000, 30_000_000)];
+    let section = |skirt_height: i32| {
+        let layer = PrintLayer { skirt: skirt.clone(), skirt_height, ..part(1, square.clone()) };
+        let layers = plan(&[part(0, square.clone()), layer], Point2::default(), &uncooled());
+        let line = &layers[1].extrusions[0];
+        assert_eq!(line.role, Role::Skirt);
+        assert_eq!(layers[1].extrusions[1].height, 0.2);
+        (line.height, line.mm3_per_mm)
+    };
+    let (own, thick) = (section(200_000), section(300_000));
+    assert_eq!((own.0, thick.0), (0.2, 0.3));
+    assert!(thick.1 > 1.35 * own.1);
+    assert_eq!(section(0), own);
+}

@@ -5,8 +5,8 @@ use super::crumb;
 use super::fill::Fill;
 use super::laying::Laying;
 use super::outline::outlines;
+use super::shrink::shrink;
 use crate::contour::ExPolygon;
-use crate::region::offset::inset;
 use crate::settings::{InterfacePattern, SupportStyle};
 use crate::span::Rows;
 use crate::span::algebra::sub;
@@ -36,7 +36,7 @@ pub fn lay(layer: &SupportLayer, i: usize, plan: &SupportPlan) -> Vec<Strand> {
         dense(&outlines(&sub(&layer.interface, &layer.contact)), how, pitch, &mut laying);
         for area in outlines(&layer.contact) {
             laying.walls(&area, pitch, 1);
-            let inside = inset(std::slice::from_ref(&area), plan.spacing.round() as i64);
+            let inside = shrink(&area, plan.spacing.round() as i64);
             dense(&inside, how, pitch, &mut laying);
         }
     } else {

@@ -1,13 +1,16 @@
 //! The strands of a layer in the making.
 
 use super::fill::{Fill, fill};
+use super::shrink::{shrink, shrink_all};
 use super::thin;
 use crate::contour::{ExPolygon, Ring};
-use crate::region::offset::inset;
 use crate::support::{Strand, StrandKind};
 
 /// Walls and the lines inside overlap by this share of their width.
 const OVERLAP: f64 = 0.1;
+
+/// The sides of a loop are at least this share of the lines' distance apart somewhere; else a single line is laid.
+const APART: f64 = 0.5;
 
 /// Strands of one kind.
 #[derive(Debug)]
@@ -34,10 +37,10 @@ impl Laying {
         // Per area its walls, or what its lines are laid in.
         let mut rest = Vec::with_capacity(areas.len());
         for area in areas {
-            let walls = inset(std::slice::from_ref(area), self.half());
+            let walls = shrink(area, self.half());
             let begin = within.len();
             if walled {
-                within.extend(inset(&walls, self.beside()));
+                within.extend(shrink_all(&walls, self.beside()));
             } else {
                 within.extend(walls.iter().cloned());
             }
@@ -56,8 +59,8 @@ impl Laying {
         for ((own, (range, walls)), area) in lines.into_iter().zip(rest).zip(areas) {
             let is_bare = !walled && filled[range].iter().any(|f| !f);
             self.strands.extend(own);
-            if walls.is_empty() {
-                self.thin(area);
+            if walls.is_empty() || self.is_thin(area, &walls) {
+                self.thin(area, &walls);
             } else if walled || is_bare {
                 self.loops(&walls);
             }
@@ -66,13 +69,13 @@ impl Laying {
 
     /// Loops around an area, `count` of them, each inside the one before.
     pub fn walls(&mut self, area: &ExPolygon, pitch: f64, count: usize) {
-        let mut inner = inset(std::slice::from_ref(area), self.half());
-        if inner.is_empty() {
-            return self.thin(area);
+        let mut inner = shrink(area, self.half());
+        if inner.is_empty() || self.is_thin(area, &inner) {
+            return self.thin(area, &inner);
         }
         for _ in 0..count {
             self.loops(&inner);
-            inner = inset(&inner, pitch.round().max(1.0) as i64);
+            inner = shrink_all(&inner, pitch.round().max(1.0) as i64);
             if inner.is_empty() {
                 return;
             }
@@ -81,13 +84,25 @@ impl Laying {
 
     /// Loops beside the outermost ones, where there is room.
     pub fn inner_walls(&mut self, areas: &[ExPolygon]) {
-        let inner = inset(areas, self.half() + self.spacing.round() as i64);
+        let inner = shrink_all(areas, self.half() + self.spacing.round() as i64);
         self.loops(&inner);
     }
 
-    /// Lines where a wall has no room.
-    pub fn thin(&mut self, area: &ExPolygon) {
+    /// Whether the two sides of the loops `walls` around an area lie upon each other everywhere.
+    fn is_thin(&self, area: &ExPolygon, walls: &[ExPolygon]) -> bool {
+        let apart = APART * self.spacing;
+        // Somewhere an area is at least as wide as on average.
+        let length: f64 = area.rings().map(|r| length(r)).sum();
+        let mean = 2e12 * area.area_mm2() / length.max(1.0);
+        mean < self.width + apart && walls.iter().all(|w| shrink(w, (0.5 * apart) as i64).is_empty())
+    }
+
+    /// Lines where a loop has no room: single ones, where that works.
+    fn thin(&mut self, area: &ExPolygon, walls: &[ExPolygon]) {
         let own = thin::strands(area, self.width, self.kind);
+        if own.is_empty() {
+            self.loops(walls);
+        }
         self.strands.extend(own);
     }
 
@@ -107,4 +122,9 @@ impl Laying {
     pub fn beside(&self) -> i64 {
         (self.spacing - OVERLAP * self.width).round().max(1.0) as i64
     }
+}
+
+/// Length of a closed ring \[nm\].
+fn length(ring: &Ring) -> f64 {
+    ring.iter().zip(ring.iter().cycle().skip(1)).map(|(a, b)| a.distance(*b)).sum()
 }

@@ -9,6 +9,7 @@ mod dense;
 mod fill;
 mod laying;
 mod outline;
+mod shrink;
 mod straighten;
 #[cfg(test)]
 mod tests;

@@ -1,8 +1,8 @@
 //! Lines where there is no room for a loop.
 
+use super::shrink::shrink;
 use crate::contour::ExPolygon;
 use crate::region::gaps::thin_walls;
-use crate::region::offset::inset;
 use crate::support::{Strand, StrandKind};
 use std::f64::consts::PI;
 
@@ -28,7 +28,7 @@ pub fn strands(area: &ExPolygon, width: f64, kind: StrandKind) -> Vec<Strand> {
         return along;
     }
     let inner = |share: f64| {
-        let inner = inset(std::slice::from_ref(area), (share * width).round() as i64);
+        let inner = shrink(area, (share * width).round() as i64);
         inner.into_iter().map(|p| p.contour).max_by_key(|ring| crate::lattice::area2(ring))
     };
     let spot = INSIDE.into_iter().find_map(inner).filter(|ring| {
