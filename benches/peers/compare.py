@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Holds `microtome slice` against the slicers people use, on the same models, in one run.
 
-usage: compare.py [--microtome PATH] [--ini FILE] [--models DIR] [--runs N] [--peers prusa,prusa-rear,cura] [--json] [MODEL ...]
+usage: compare.py [--microtome PATH] [--ini FILE] [--models DIR] [--runs N] [--peers prusa,prusa-rear,cura]
+                  [--supports grid|snug|organic] [--json] [MODEL ...]
 
 Runs the commands in turn (A B C A B C ...) with matched settings (matched.ini: 0.2 mm layers, 0.45 mm lines, 3 walls, 3 + 3 solid
 layers, 20 % rectilinear, no support) and prints, per model, the median CPU seconds (user + system), wall seconds, peak memory, net
@@ -10,6 +11,8 @@ filament and layer count of each, and peer / microtome of CPU and wall. Machines
 Needs Debian packages: prusa-slicer, cura-engine (a peer that is not installed is left out, and said). CuraEngine's printer definitions
 come from the Debian package `cura`, which is downloaded and unpacked into the temporary folder on first use.
 --ini gives other settings to microtome and PrusaSlicer (CuraEngine keeps its own).
+--supports turns supports on in all programs: slopes below 50 degrees, lines 2.5 mm apart, gaps of 0.2 mm above and below and 0.225 mm beside,
+three dense layers. CuraEngine makes its normal supports, for organic its tree; PrusaSlicer 2.5 has no branches and makes its grid.
 `prusa` places seams by ray casting (its default, about half of its time); `prusa-rear` leaves that out. Quote both.
 Models come from make.py beside this script; they are written to DIR (default: microtome-models in the temporary folder) when missing.
 microtome is called as: microtome slice --load matched.ini -o OUT MODEL
@@ -25,7 +28,23 @@ def cura_resources():
         subprocess.run('apt-get download -q cura && dpkg -x cura_*.deb .', shell=True, cwd=home, check=True, stdout=subprocess.DEVNULL)
     return base
 
-def cura_command(model, out):
+def cura_supports(style):
+    """As PrusaSlicer's: threshold 50 degrees from horizontal is 40 from upright; a line of 0.45 mm every 2.907 mm."""
+    structure = 'tree' if style == 'organic' else 'normal'
+    density = 100 * 0.45 / 2.907
+    return (f'support_enable=true support_structure={structure} support_type=everywhere support_angle=40 support_tree_angle=40 support_pattern=zigzag '
+            f'support_infill_rate={density:.1f} support_line_distance=2.907 support_initial_layer_line_distance=2.907 '
+            'support_z_distance=0.2 support_top_distance=0.2 support_bottom_distance=0.2 support_xy_distance=0.225 support_xy_distance_overhang=0.225 '
+            'support_wall_count=1 support_interface_enable=true support_roof_enable=true support_bottom_enable=true support_interface_height=0.6 '
+            'support_roof_height=0.6 support_bottom_height=0.6 support_roof_density=100 support_bottom_density=100 support_roof_line_distance=0.45 '
+            'support_bottom_line_distance=0.45 support_interface_pattern=lines support_roof_pattern=lines support_bottom_pattern=lines '
+            'support_offset=0 support_join_distance=2 speed_support=60 speed_support_infill=60 speed_support_interface=60').split()
+
+def prusa_supports(style):
+    if not style: return []
+    return ['--support-material', '--support-material-threshold', '50', '--support-material-style', 'snug' if style == 'snug' else 'grid']
+
+def cura_command(model, out, style):
     base = cura_resources()
     s = ('machine_name=t machine_width=400 machine_depth=400 machine_height=300 machine_center_is_zero=false layer_height=0.2 '
          'layer_height_0=0.2 line_width=0.45 wall_line_width=0.45 wall_line_width_0=0.45 wall_line_width_x=0.45 infill_line_width=0.45 '
@@ -39,15 +58,19 @@ def cura_command(model, out):
          'material_bed_temperature_layer_0=60 retraction_combing=off cool_min_layer_time=0 skin_preshrink=0 top_skin_preshrink=0 '
          'bottom_skin_preshrink=0 expand_skins_expand_distance=0 top_skin_expand_distance=0 bottom_skin_expand_distance=0 '
          'meshfix_maximum_resolution=0.005 meshfix_maximum_deviation=0.0025 meshfix_maximum_travel_resolution=0.1').split()
+    # What comes last counts.
+    s += cura_supports(style) if style else []
     a = [x for kv in s for x in ('-s', kv)]
     env = dict(os.environ, CURA_ENGINE_SEARCH_PATH=f'{base}/definitions:{base}/extruders')
     return ['CuraEngine', 'slice', '-m2', '-j', f'{base}/definitions/fdmprinter.def.json', *a, '-e0', *a, '-o', out, '-l', model, *a], env
 
-def command(tool, model, out, microtome, ini):
-    if tool == 'microtome': return [microtome, 'slice', '--load', ini, '-o', out, model], None
-    if tool == 'prusa': return ['prusa-slicer', '--loglevel', '1', '--load', ini, '-g', '-o', out, model], None
-    if tool == 'prusa-rear': return ['prusa-slicer', '--loglevel', '1', '--load', ini, '--seam-position', 'rear', '-g', '-o', out, model], None
-    if tool == 'cura': return cura_command(model, out)
+def command(tool, model, out, microtome, ini, style):
+    own = ['--support-material', '--support-material-threshold', '50', '--support-material-style', style] if style else []
+    prusa = ['prusa-slicer', '--loglevel', '1', '--load', ini, *prusa_supports(style)]
+    if tool == 'microtome': return [microtome, 'slice', '--load', ini, *own, '-o', out, model], None
+    if tool == 'prusa': return [*prusa, '-g', '-o', out, model], None
+    if tool == 'prusa-rear': return [*prusa, '--seam-position', 'rear', '-g', '-o', out, model], None
+    if tool == 'cura': return cura_command(model, out, style)
     sys.exit(f'no such peer: {tool}')
 
 def run(cmd, env, limit):
@@ -89,6 +112,7 @@ def main():
     ap.add_argument('--microtome', default='target/release/microtome'); ap.add_argument('--models', default=os.path.join(tempfile.gettempdir(), 'microtome-models'))
     ap.add_argument('--ini', default=os.path.join(HERE, 'matched.ini')); ap.add_argument('--runs', type=int, default=5); ap.add_argument('--peers', default='prusa,prusa-rear,cura')
     ap.add_argument('--limit', type=float, default=120); ap.add_argument('--json', action='store_true')
+    ap.add_argument('--supports', choices=('grid', 'snug', 'organic'))
     ap.add_argument('model', nargs='*', default=['benchy.stl', 'knot_1M.stl', 'comb.stl'])
     a = ap.parse_args()
     subprocess.run([sys.executable, os.path.join(HERE, 'make.py'), a.models, *[os.path.basename(m) for m in a.model if not os.path.exists(m)]],
@@ -107,7 +131,7 @@ def main():
                 for t in tools:
                     if got[t] and got[t][-1]['rc'] == 'timeout': continue
                     out[t] = os.path.join(tmp, t + '.gcode')
-                    got[t].append(run(*command(t, path, out[t], a.microtome, a.ini), a.limit))
+                    got[t].append(run(*command(t, path, out[t], a.microtome, a.ini, a.supports), a.limit))
             rows = {}
             for t in tools:
                 med = {k: statistics.median(r[k] for r in got[t]) for k in ('cpu', 'wall', 'mb')}

@@ -48,15 +48,18 @@ pub fn draw(print: &Print) -> RgbImage {
     beside(&front.image(), &above.image())
 }
 
-/// Points of an area that are no more than `step` \[nm\] apart along the rows, with x and y \[nm\].
+/// Points of an area that are no more than `step` \[nm\] apart, with x and y \[nm\]; a row is as wide as the
+/// rows are apart.
 fn points(area: &Rows, frame: &RowFrame, step: f64, mut visit: impl FnMut([f64; 2])) {
     let step = ((step * frame.scale()) as i64).max(1);
+    let across = frame.pitch() / step + 1;
     for (k, row) in area.iter() {
         for span in row {
             let steps = span.length() / step + 1;
-            for i in 0..=steps {
+            for (i, j) in (0..=steps).flat_map(|i| (0..across).map(move |j| (i, j))) {
                 let s = i64::from(span.start) + span.length() * i / steps;
-                let p = frame.xy(s as i32, frame.t(k));
+                let t = frame.t(k) + frame.pitch() * (2 * j + 1 - across) / (2 * across);
+                let p = frame.xy(s as i32, t);
                 visit([p.x.into(), p.y.into()]);
             }
         }

@@ -111,6 +111,8 @@ pub struct AirSummary {
     pub part_mm2: f64,
     /// How much of the supports \[mm²\].
     pub supports_mm2: f64,
+    /// How much of the part no support could hold that keeps its distances \[mm²\].
+    pub cramped_mm2: f64,
     /// On how many layers of the part.
     pub layers: usize,
     /// The largest piece of the part.
@@ -179,8 +181,10 @@ pub fn warning(air: &AirSummary, subject: &Subject) -> Option<String> {
         "support_material_auto is off: cover it with --support-enforcer"
     } else if s.support_material_buildplate_only {
         "support_material_buildplate_only keeps supports off the part: turn it off, or turn the part"
+    } else if air.cramped_mm2 > 0.5 * air.part_mm2 {
+        "the part is too near for supports: make support_material_xy_spacing or support_material_contact_distance smaller"
     } else {
-        "turn the part, try another support_material_style, or make support_material_xy_spacing smaller"
+        "turn the part or try another support_material_style"
     };
     Some(format!(
         "{}: {:.1} mm2 on {} layers are printed in air, {:.1} mm2 of it in one piece at z = {:.2}, x = {:.2}, y = {:.2} mm; {remedy}",
@@ -273,7 +277,11 @@ fn choice(supports: &Supports, settings: &Settings) -> Option<Choice> {
         filament: material(supports, settings),
         columns_on_bed: facts.columns_on_bed,
         columns_on_part: facts.columns_on_part,
-        in_air_mm2: in_air(&print, &rule).iter().filter(|a| is_part(a)).map(|a| a.mm2).sum(),
+        in_air_mm2: in_air(&print, &rule)
+            .iter()
+            .filter(|a| is_part(a))
+            .map(|a| a.mm2)
+            .fold(0.0, |a, b| a + b),
     })
 }
 
@@ -282,11 +290,14 @@ fn is_part(found: &InAir) -> bool {
 }
 
 fn air(found: &[InAir], origin: [i64; 3]) -> AirSummary {
-    let sum = |of_part: bool| found.iter().filter(|a| is_part(a) == of_part).map(|a| a.mm2).sum();
+    // An empty `sum` would be -0.
+    let sum =
+        |of_part: bool| found.iter().filter(|a| is_part(a) == of_part).map(|a| a.mm2).fold(0.0, |a, b| a + b);
     let largest = found.iter().filter(|a| is_part(a)).max_by(|a, b| a.largest_mm2.total_cmp(&b.largest_mm2));
     AirSummary {
         part_mm2: sum(true),
         supports_mm2: sum(false),
+        cramped_mm2: found.iter().map(|a| a.cramped_mm2).fold(0.0, |a, b| a + b),
         layers: found.iter().filter(|a| is_part(a)).count(),
         largest: largest.map(|a| {
             let (What::Part(layer) | What::Support(layer)) = a.what;
@@ -304,7 +315,7 @@ fn air(found: &[InAir], origin: [i64; 3]) -> AirSummary {
 fn near(found: &[Clash], origin: [i64; 3]) -> NearSummary {
     let worst = found.iter().max_by(|a, b| a.mm2.total_cmp(&b.mm2));
     NearSummary {
-        mm2: found.iter().map(|c| c.mm2).sum(),
+        mm2: found.iter().map(|c| c.mm2).fold(0.0, |a, b| a + b),
         worst_mm: worst.map(|c| {
             let [x, y, _] = origin;
             [mm(i64::from(c.place.x) + x), mm(i64::from(c.place.y) + y), mm(c.z)]

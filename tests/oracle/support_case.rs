@@ -12,9 +12,10 @@ use microtome::lattice::{Point2, nm};
 use microtome::mesh::{Loaded, Mesh, Placement, shapes};
 use microtome::path::{LayerPlan, Planner, PrintLayer, Role};
 use microtome::settings::{FloatOrPercent, InterfacePattern, Settings, SupportPattern, SupportStyle};
-use microtome::span::algebra::and;
+use microtome::span::Rows;
+use microtome::span::algebra::{and, sub};
 use microtome::support::SupportPlan;
-use microtome::support::check::{Ground, InAir, Print, Rule, What, clashes, hanging, in_air};
+use microtome::support::check::{Ground, InAir, Print, Rule, What, clashes, cramped, hanging, in_air};
 
 /// Patches smaller than this are the rows' \[mm²\]: a line's width square.
 const PATCH: f64 = 0.2;
@@ -226,7 +227,14 @@ pub fn faults(layers: &[PrintLayer], supports: &Supports, settings: &Settings) -
     let Some(rows) = &supports.rows else { return faults };
     let print = Print { part: rows.part(), overhangs: &supports.overhangs, supports: &supports.layers };
     let rule = Rule::new(settings, &SupportPlan::new(settings));
-    for found in in_air(&print, &rule) {
+    for mut found in in_air(&print, &rule) {
+        if let What::Part(i) = found.what {
+            // Where the gaps that were asked for leave no room, nothing can be held.
+            let area = sub(&found.area, &cramped(&print, i, &rule, &found.area));
+            let mm2 = |area: &Rows| area.length() as f64 * rows.frame.mm2_per_unit();
+            found.largest_mm2 = found.largest_mm2.min(mm2(&area));
+            found.mm2 = mm2(&area);
+        }
         let own = match found.what {
             What::Part(_) => &mut faults.part,
             What::Support(_) => &mut faults.supports,
@@ -285,7 +293,11 @@ fn lines(
     for layer in layers {
         planner.layer(layer, &mut plan);
         let part = print.part.levels.iter().position(|l| l.top == i64::from(layer.z.print_z));
-        let own = part.map(|i| Ground::of_part(print, i, rule));
+        let own = part.map(|i| {
+            let mut ground = Ground::of_part(print, i, rule);
+            ground.add(&cramped(print, i, rule, &print.part.outlines[i]));
+            ground
+        });
         let below = if layer.supports.is_empty() { None } else { beside.next() };
         let under = below.map(|((j, _), _)| Ground::of_support(print, j, rule));
         for (role, line) in joined(&plan) {

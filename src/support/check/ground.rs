@@ -5,6 +5,7 @@ use crate::lattice::Point2;
 use crate::span::algebra::{and, dilate, or, sub};
 use crate::span::morph::dilate_disc;
 use crate::span::{RowFrame, Rows, RowsBuilder};
+use crate::support::SupportLayer;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -27,6 +28,11 @@ impl Ground {
     pub fn of_support(print: &Print, j: usize, rule: &Rule) -> Self {
         let below = Below::support(print, j, rule);
         Self { frame: *print.part.frame, rows: below.map(|b| b.all(print.part.frame)) }
+    }
+
+    /// Takes an area in.
+    pub fn add(&mut self, area: &Rows) {
+        self.rows = self.rows.take().map(|rows| or(&rows, area));
     }
 
     /// Whether a point lies on it.
@@ -64,8 +70,27 @@ pub(super) fn part_in_air(print: &Print, i: usize, rule: &Rule) -> Rows {
 /// What layer `j` of the supports has in air.
 pub(super) fn support_in_air(print: &Print, j: usize, rule: &Rule) -> Rows {
     let Some(own) = print.supports.get(j) else { return Rows::default() };
-    let Some(below) = Below::support(print, j, rule) else { return Rows::default() };
-    below.beyond(&area(own), print.part.frame)
+    if i64::from(own.bottom_z()) <= LEVEL {
+        return Rows::default();
+    }
+    // Nearly all support stands on support: the part need not be looked at.
+    let frame = print.part.frame;
+    let left = far(&area(own), &carrying(print, own), support_reach(own, rule, frame), frame);
+    match Below::support(print, j, rule).filter(|_| !left.is_empty()) {
+        Some(below) => below.beyond(&left, frame),
+        None => Rows::default(),
+    }
+}
+
+/// Supports that carry a layer of supports. What ends between its sides carries it too, where layers are not
+/// the same everywhere.
+fn carrying(print: &Print, own: &SupportLayer) -> Rows {
+    ending(print, i64::from(own.bottom_z()) - LEVEL..i64::from(own.print_z) - LEVEL)
+}
+
+/// How far a layer of supports may reach over supports \[units\].
+fn support_reach(own: &SupportLayer, rule: &Rule, frame: &RowFrame) -> i64 {
+    frame.units(rule.support_reach + rule.support_slope * f64::from(own.height)) + frame.pitch()
 }
 
 /// What lies under a layer. Lengths in units of the frame.
@@ -119,16 +144,10 @@ impl Below {
             }
             previous = Some(outline);
         }
-        let reach = rule.support_reach + rule.support_slope * (top - bottom) as f64;
-        let slack = frame.pitch();
-        Some(Self {
-            part: on_part,
-            // What ends between its sides carries it too, where layers are not the same everywhere.
-            supports: ending(print, bottom - LEVEL..top - LEVEL),
-            reach: frame.units(reach + rule.xy_gap) + slack,
-            support_reach: frame.units(reach) + slack,
-            between: frame.units(reach + rule.xy_gap) + slack,
-        })
+        let support_reach = support_reach(own, rule, frame);
+        let reach = support_reach + frame.units(rule.xy_gap);
+        let supports = carrying(print, own);
+        Some(Self { part: on_part, supports, reach, support_reach, between: reach })
     }
 
     /// The part of `own` that nothing holds.
@@ -155,6 +174,25 @@ impl Below {
         }
         or(&on, &and(&grown(&self.part, self.between), &grown(&self.supports, self.between)))
     }
+}
+
+/// The part of `area`, of layer `i` of the part, that no support can hold: the place below it is nearer to
+/// the part than the gap beside, or the part lies below and leaves no room between the gaps.
+pub(super) fn cramped(print: &Print, i: usize, rule: &Rule, area: &Rows) -> Rows {
+    let (part, frame) = (print.part, print.part.frame);
+    let Some(level) = part.levels.get(i).filter(|_| !area.is_empty()) else { return Rows::default() };
+    let reach = frame.units(rule.reach(part, i)) + frame.pitch();
+    let beside = reach + frame.units(rule.xy_gap) + frame.pitch();
+    let first = part.levels.partition_point(|l| l.top < level.bottom - rule.room - LEVEL);
+    // Those that a support at the greatest distance would stand beside.
+    let next = part.levels.partition_point(|l| l.top < level.bottom - rule.contact - LEVEL).max(first);
+    let mut left = area.clone();
+    for (range, radius) in [(first..next, reach), (next..i, beside)] {
+        for outline in part.outlines.get(range).unwrap_or_default() {
+            left = far(&left, outline, radius, frame);
+        }
+    }
+    sub(area, &left)
 }
 
 /// All supports whose upper side lies in a range of heights.

@@ -76,6 +76,8 @@ pub struct Rule {
     pub contact: i64,
     /// Most distance between the part and the support that stands on it.
     pub foot: i64,
+    /// Between parts that are no further apart than this above each other supports find no room.
+    pub room: i64,
     /// How far support may reach over the support below it, beside what its slope gives.
     pub support_reach: f64,
     /// Tangent of the greatest slope of branches from upright; 0 for columns.
@@ -105,6 +107,10 @@ impl Rule {
             raft_gap,
             contact: (i64::from(plan.top_gap) + drop + rounding).max(raft_gap),
             foot: i64::from(plan.bottom_gap) + i64::from(plan.heights[1]) + rounding,
+            room: (i64::from(plan.top_gap) + drop + rounding)
+                + i64::from(plan.bottom_gap)
+                + i64::from(plan.heights[1])
+                + rounding,
             support_reach: 0.5 * plan.width,
             support_slope: if organic { libm::tan(plan.tree.angle.to_radians()) } else { 0.0 },
             straight: plan.width,
@@ -144,6 +150,8 @@ pub struct InAir {
     pub mm2: f64,
     /// How much of it hangs together at most \[mm²\].
     pub largest_mm2: f64,
+    /// How much of it no support could hold that keeps its distances to the part \[mm²\]; 0 for supports.
+    pub cramped_mm2: f64,
     /// A point in the largest \[nm\].
     pub place: Point2,
     /// Height of its lower side above the bed \[nm\].
@@ -155,11 +163,13 @@ pub struct InAir {
 pub fn in_air(print: &Print, rule: &Rule) -> Vec<InAir> {
     let part = (0..print.part.outlines.len()).into_par_iter().filter_map(|i| {
         let hanging = ground::part_in_air(print, i, rule);
-        InAir::new(What::Part(i), hanging, print.part.levels.get(i)?.bottom, print.part.frame)
+        let cramped = ground::cramped(print, i, rule, &hanging);
+        InAir::new(What::Part(i), hanging, &cramped, print.part.levels.get(i)?.bottom, print.part.frame)
     });
     let supports = print.supports.par_iter().enumerate().filter_map(|(j, layer)| {
         let hanging = ground::support_in_air(print, j, rule);
-        InAir::new(What::Support(j), hanging, layer.bottom_z().into(), print.part.frame)
+        let z = layer.bottom_z().into();
+        InAir::new(What::Support(j), hanging, &Rows::default(), z, print.part.frame)
     });
     let mut all: Vec<InAir> = part.collect();
     all.par_extend(supports);
@@ -167,10 +177,11 @@ pub fn in_air(print: &Print, rule: &Rule) -> Vec<InAir> {
 }
 
 impl InAir {
-    fn new(what: What, area: Rows, z: i64, frame: &RowFrame) -> Option<Self> {
+    fn new(what: What, area: Rows, cramped: &Rows, z: i64, frame: &RowFrame) -> Option<Self> {
         let (largest, place) = largest(&area, frame)?;
-        let mm2 = area.length() as f64 * frame.mm2_per_unit();
-        Some(Self { what, area, mm2, largest_mm2: largest, place, z })
+        let mm2 = |area: &Rows| area.length() as f64 * frame.mm2_per_unit();
+        let (mm2, cramped_mm2) = (mm2(&area), mm2(cramped));
+        Some(Self { what, area, mm2, largest_mm2: largest, cramped_mm2, place, z })
     }
 }
 
@@ -204,6 +215,12 @@ pub fn area(layer: &SupportLayer) -> Rows {
 pub fn supports_under(print: &Print, i: usize, rule: &Rule) -> Rows {
     let z = print.part.levels.get(i).map_or(0, |l| l.bottom);
     ground::ending(print, z - rule.contact - LEVEL..z + LEVEL)
+}
+
+/// The part of `area`, of layer `i` of the part, that no support could hold which keeps its distances: the
+/// part is too near beside or below.
+pub fn cramped(print: &Print, i: usize, rule: &Rule, area: &Rows) -> Rows {
+    ground::cramped(print, i, rule, area)
 }
 
 /// Whether a layer belongs to the raft.

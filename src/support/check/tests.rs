@@ -29,6 +29,7 @@ fn rule() -> Rule {
         raft_gap: 100_000,
         contact: LAYER,
         foot: 2 * LAYER,
+        room: 3 * LAYER,
         support_reach: 200_000.0,
         support_slope: 0.0,
         straight: 400_000.0,
@@ -227,5 +228,29 @@ fn discs_around_what_is_left_are_discs_around_all() {
         let expected = sub(&area, &all);
         let found = ground::far(&area, &ground, 700_000, &frame);
         assert_eq!(found.spans(), expected.spans(), "seed {seed}");
+    }
+}
+
+#[test]
+fn what_supports_cannot_reach_is_told_apart() {
+    // A slot of 1 mm between two walls is closed: supports keep 0.3 mm off either.
+    let walls = or(&rectangle(0.0, 0.0, 5.0, 9.0), &rectangle(6.0, 0.0, 11.0, 9.0));
+    let slot = |closed: Rows| {
+        Case::new((0..6).map(|i| if i < 4 { walls.clone() } else { closed.clone() }).collect())
+    };
+    let found = slot(rectangle(0.0, 0.0, 11.0, 9.0)).in_air();
+    assert!((found[0].mm2 - 0.4 * 9.0).abs() < 0.4 && found[0].cramped_mm2 == found[0].mm2, "{found:?}");
+    // Beyond the walls there is room.
+    let found = slot(rectangle(0.0, 0.0, 19.0, 9.0)).in_air();
+    assert!(found[0].mm2 > found[0].cramped_mm2 + 50.0 && found[0].cramped_mm2 > 3.0, "{found:?}");
+    // An arm two layers above a plate, and one five layers above it.
+    for (layers, room) in [(2, false), (5, true)] {
+        let own = |i: usize| match i {
+            0 => rectangle(0.0, 0.0, 20.0, 9.0),
+            i if i <= layers => rectangle(0.0, 0.0, 5.0, 9.0),
+            _ => rectangle(0.0, 0.0, 20.0, 9.0),
+        };
+        let found = Case::new((0..layers + 2).map(own).collect()).in_air();
+        assert_eq!(found[0].cramped_mm2 < 0.5 * found[0].mm2, room, "{layers} layers: {found:?}");
     }
 }
