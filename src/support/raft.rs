@@ -65,7 +65,7 @@ impl Heights {
 /// The raft under a part whose first layer has the outline `first`, and under `columns`, what stands on its top.
 ///
 /// Dense layers lie under the part alone, its holes filled and narrow gaps closed; what carries columns beside
-/// it is loose. The single layer of a raft that has no other is dense under the part and loose around it.
+/// it is loose. The areas are as large in every style: with grid, PrusaSlicer's grow to whole cells. The single layer of a raft that has no other is dense under the part and loose around it.
 pub fn raft(first: &Rows, columns: &Rows, heights: &Heights, plan: &SupportPlan) -> Vec<SupportLayer> {
     let frame = &plan.frame;
     let t = |k: i32| frame.t(k);
@@ -83,7 +83,7 @@ pub fn raft(first: &Rows, columns: &Rows, heights: &Heights, plan: &SupportPlan)
         if i + heights.dense > last {
             layer.kind = LayerKind::RaftInterface;
             layer.interface = if i == last { top.clone() } else { dense.clone() };
-            layer.base = sub(&feet, &layer.interface);
+            layer.base = sub(columns, &layer.interface);
         }
         if i == 0 {
             layer.kind = LayerKind::RaftFirst;
