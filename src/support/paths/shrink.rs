@@ -7,7 +7,7 @@ use crate::span::morph::erode_disc;
 use crate::span::{RowFrame, scan};
 
 /// Rows on which areas are made smaller are at most this far apart \[nm\],
-const ROW: f64 = 45e3;
+const ROW: f64 = 75e3;
 /// so that the way is a little more than a whole number of rows: it is one row more then, and half a row less by
 /// what an outline adds, right on average.
 const MORE: f64 = 0.02;
