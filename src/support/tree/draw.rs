@@ -1,6 +1,6 @@
 //! The skeleton → areas.
 
-use super::grow::Skeleton;
+use super::grow::{Node, Skeleton};
 use super::seeds::touching;
 use super::{Held, Stage, per_layer};
 use crate::span::algebra::{and, or, sub};
@@ -23,10 +23,12 @@ pub fn draw(skeleton: &Skeleton, stage: &Stage) -> Vec<SupportLayer> {
             0 => r + stage.units(plan.first_expansion).min(r),
             _ => r,
         };
-        let all = skeleton[j].iter().map(|n| (n.at, foot(n.r)));
+        let may_stand = |n: &&Node| n.to_plate || !plan.on_bed_only;
+        let all = skeleton[j].iter().filter(may_stand).map(|n| (n.at, foot(n.r)));
         let base = or(&or(&discs(all, frame), strips), &ribs.rows);
         let base = sub(&sub(&base, interface), &stage.keep_out[j]);
-        let thick = skeleton[j].iter().filter(|n| n.r >= doubled).map(|n| (n.at, foot(n.r)));
+        let thick =
+            skeleton[j].iter().filter(may_stand).filter(|n| n.r >= doubled).map(|n| (n.at, foot(n.r)));
         let thick = and(&discs(thick, frame), &base);
         SupportLayer {
             print_z: stage.layers[j].top,

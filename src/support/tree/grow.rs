@@ -17,7 +17,7 @@ pub struct Node {
     pub load: f64,
     /// Height of the highest of them above this layer \[units\].
     pub rise: f64,
-    /// There is a way to the plate.
+    /// There is a way to the plate; when all have grown, it has been found.
     pub to_plate: bool,
     /// The node of the layer below that it stands on, or [`ON_PART`]; meaningless in the lowest layer.
     pub below: u32,
@@ -66,7 +66,19 @@ pub fn grow(stage: &Stage, field: &Field) -> Skeleton {
         seed(stage, field, j, &mut nodes);
         skeleton[j] = nodes;
     }
+    ends(&mut skeleton);
     skeleton
+}
+
+/// Says of each branch whether it has come down to the plate.
+fn ends(skeleton: &mut Skeleton) {
+    for j in 1..skeleton.len() {
+        let (lower, upper) = skeleton.split_at_mut(j);
+        let (Some(below), Some(own)) = (lower.last(), upper.first_mut()) else { continue };
+        for node in own {
+            node.to_plate = below.get(node.below as usize).is_some_and(|b| b.to_plate);
+        }
+    }
 }
 
 /// Indices of points by position.

@@ -6,7 +6,11 @@ use super::field::Field;
 use super::grow::{AROUND, Node, ON_PART};
 use super::near::Near;
 use crate::span::components::label;
+use crate::span::morph::{dilate_disc, erode_disc};
 use crate::span::{RowFrame, Rows, RowsBuilder};
+
+/// Half as much as a strip may reach beyond where the one below holds it and count as a wall that leans \[nm\].
+const LEANS: f64 = 120_000.0;
 
 /// Ribs under a roof, and where branches carry them.
 #[derive(Clone, Debug, Default)]
@@ -70,26 +74,26 @@ pub fn seed(stage: &Stage, field: &Field, j: usize, nodes: &mut Vec<Node>) {
     let (frame, span) = (&stage.plan.frame, stage.span());
     let part = label(&above.all);
     let rests = touching(&above.all, &part, &stage.held[j].all);
-    let mut near = Near::new(
-        [
-            carried.spans().iter().map(|s| s.start).min().map_or(0.0, f64::from),
-            frame.t(carried.first()) as f64,
-        ],
-        [carried.spans().iter().map(|s| s.end).max().map_or(0.0, f64::from), frame.t(carried.end()) as f64],
-        span,
-    );
-    let mut tags: Vec<u32> = Vec::new();
-    for node in nodes.iter() {
-        note(&above.all, &part, frame, node, &mut tags, &mut near);
-    }
+    let far_out = far_out(stage, j);
+    let low = [carried.spans().iter().map(|s| s.start).min(), Some(frame.t(carried.first()) as i32)];
+    let high = [carried.spans().iter().map(|s| s.end).max(), Some(frame.t(carried.end()) as i32)];
+    let [low, high] = [low, high].map(|c| c.map(|c| c.map_or(0.0, f64::from)));
+    // Those that touch what they carry, and those that are near enough to a wall that leans.
+    let mut touch = Near::new(low, high, span);
+    let mut beside = Near::new(low, high, span);
+    let note_both = |node: &Node, touch: &mut Near, beside: &mut Near| {
+        note(&above.all, &part, frame, node, 0.0, touch);
+        note(&above.all, &part, frame, node, 0.5 * span, beside);
+    };
+    nodes.iter().for_each(|node| note_both(node, &mut touch, &mut beside));
     let tip = stage.units(stage.plan.tree.tip_radius);
-    let mut plant = |at: [f64; 2], tag: u32, free: f64, near: &mut Near| {
-        if near.any(at, tag, free) {
+    let mut plant = |at: [f64; 2], tag: u32, free: f64, leans: bool| {
+        if touch.any(at, tag, free) || leans && beside.any(at, tag, free) {
             return;
         }
         let Some(node) = place(stage, field, j, at, tip) else { return };
-        near.push(at, tag);
-        note(&above.all, &part, frame, &node, &mut tags, near);
+        touch.push(at, tag);
+        note_both(&node, &mut touch, &mut beside);
         nodes.push(node);
     };
     let tag_at = |at: [f64; 2]| {
@@ -101,7 +105,7 @@ pub fn seed(stage: &Stage, field: &Field, j: usize, nodes: &mut Vec<Node>) {
     };
     for &post in &stage.held[j].ribs.posts {
         if let Some(tag) = tag_at(post) {
-            plant(post, tag, 0.5 * span, &mut near);
+            plant(post, tag, 0.5 * span, false);
         }
     }
     for (k, row) in carried.iter() {
@@ -110,20 +114,30 @@ pub fn seed(stage: &Stage, field: &Field, j: usize, nodes: &mut Vec<Node>) {
             let Some(tag) = tag_at([f64::from(s.start), t]) else { continue };
             let row = above.interface.row(k);
             let at = row.partition_point(|x| x.end <= s.start);
-            let reach = match row.get(at).is_some_and(|x| x.start < s.end) {
+            let is_roof = row.get(at).is_some_and(|x| x.start < s.end);
+            let leans = !is_roof && rests[tag as usize];
+            let reach = match is_roof {
                 // Half the diagonal between posts, and a little.
                 true => 0.75 * span,
                 // A strip that lies in part on the one below needs less.
-                false if rests[tag as usize] => span,
+                false if leans => span,
                 false => 0.5 * span,
             };
             let count = (s.length() as f64 / tip).ceil().max(1.0);
             for m in 0..=count as i32 {
                 let along = s.length() as f64 * f64::from(m) / count;
-                plant([f64::from(s.start) + along, t], tag, reach, &mut near);
+                let at = f64::from(s.start) + along;
+                plant([at, t], tag, reach, leans && !holds(&far_out, k, at));
             }
         }
     }
+}
+
+/// Whether a position of row `k` is in an area.
+fn holds(area: &Rows, k: i32, at: f64) -> bool {
+    let row = area.row(k);
+    let i = row.partition_point(|x| f64::from(x.end) <= at);
+    row.get(i).is_some_and(|x| f64::from(x.start) <= at)
 }
 
 /// Per connected part of `area` whether it overlaps `ground`.
@@ -144,10 +158,18 @@ pub fn touching(area: &Rows, part: &[u32], ground: &Rows) -> Vec<bool> {
     touches
 }
 
-/// Notes a branch with all connected parts that it touches.
-fn note(all: &Rows, part: &[u32], frame: &RowFrame, node: &Node, tags: &mut Vec<u32>, near: &mut Near) {
-    tags.clear();
-    touched(all, frame, node.at, node.r, |i| tags.push(part[i]));
+/// What of what layer `j` must carry reaches far beyond what the layer holds. The rest is a wall that leans out so
+/// little from layer to layer that it holds itself for some way.
+fn far_out(stage: &Stage, j: usize) -> Rows {
+    let (frame, leans) = (&stage.plan.frame, stage.plan.frame.units(LEANS));
+    let thick = erode_disc(&stage.held[j].carried, leans, |k| frame.t(k));
+    dilate_disc(&thick, 2 * leans, |k| frame.t(k))
+}
+
+/// Notes a branch with all connected parts at most `more` from its disc.
+fn note(all: &Rows, part: &[u32], frame: &RowFrame, node: &Node, more: f64, near: &mut Near) {
+    let mut tags: Vec<u32> = Vec::new();
+    touched(all, frame, node.at, node.r + more, |i| tags.push(part[i]));
     tags.sort_unstable();
     tags.dedup();
     tags.iter().for_each(|&tag| near.push(node.at, tag));

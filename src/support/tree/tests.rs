@@ -297,9 +297,9 @@ fn on_the_bed_only_nothing_stands_on_the_part() {
     let layers = (0..60).map(|i| Arc::clone([&low, &post, &high][(i > 9) as usize + (i > 49) as usize]));
     let stack = Stack::new(layers.collect(), plan);
     // A branch beside the plate may lean over its edge, a little right above it.
-    let inner = rectangle(&stack.plan.frame, [-8.0, -8.0], [8.0, 8.0]);
+    let inner = rectangle(&stack.plan.frame, [-7.0, -7.0], [7.0, 7.0]);
     let on_plate = |layers: &[SupportLayer]| {
-        let just_above = layers.iter().filter(|l| l.print_z < 13 * LAYER);
+        let just_above = layers.iter().filter(|l| l.print_z < 16 * LAYER);
         just_above.map(|l| or(&l.base, &l.interface)).any(|all| !and(&all, &inner).is_empty())
     };
     let layers = stack.tree();
