@@ -211,7 +211,7 @@ registry! {
     Support support.support_tree_angle_slow: Number(0.0, 85.0), "°", "Slope of a branch where nothing is in its way";
     Support support.support_tree_branch_diameter: Number(0.1, 100.0), "mm", "Diameter of the thinnest branches but for their tips";
     Support support.support_tree_branch_diameter_angle: Number(0.0, 15.0), "°", "Branches grow thicker downwards by twice this angle";
-    Support support.support_tree_branch_diameter_double_wall: Number(0.0, 1e4), "mm²", "Branches of this section and more have two walls; 0 = one wall always";
+    Support support.support_tree_branch_diameter_double_wall: Number(0.0, 100.0), "mm", "Branches at least as thick as a circle of this diameter have two walls; 0 = one wall always";
     Support support.support_tree_branch_distance: Number(0.1, 100.0), "mm", "Distance between branches where they touch the part";
     Support support.support_tree_tip_diameter: Number(0.1, 100.0), "mm", "Diameter of a branch's tip";
     Support support.support_tree_top_rate: Percent(5.0, 35.0), "%", "Share of a supported area that tips touch";

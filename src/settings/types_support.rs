@@ -63,7 +63,7 @@ pub struct SupportSettings {
     pub support_tree_branch_diameter: f64,
     /// Branches grow thicker downwards: half the angle of their cone \[degrees\].
     pub support_tree_branch_diameter_angle: f64,
-    /// Branches of this section and more have two walls \[mm²\]; 0 = one wall always.
+    /// Branches at least as thick as a circle of this diameter have two walls \[mm\]; 0 = one wall always.
     pub support_tree_branch_diameter_double_wall: f64,
     /// Distance between branches where they touch the part \[mm\].
     pub support_tree_branch_distance: f64,

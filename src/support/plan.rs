@@ -74,6 +74,8 @@ pub struct SupportPlan {
     pub first_density: f64,
     /// How much wider the first layer is \[nm\].
     pub first_expansion: f64,
+    /// How much the part's first layer has been shrunk \[nm\].
+    pub first_shrink: f64,
     /// Height of the raft's upper side, 0 without one \[nm\]: what supports stand on.
     pub base_z: i32,
     /// Branches.
@@ -91,7 +93,7 @@ pub struct TreePlan {
     pub radius: f64,
     /// Growth of the radius by height \[nm per nm\].
     pub taper: f64,
-    /// Branches of this section and more have two walls \[mm²\]; 0 = never.
+    /// Branches at least as thick as a circle of this diameter have two walls \[mm\]; 0 = never.
     pub double_wall: f64,
     /// Distance of tips \[nm\].
     pub distance: f64,
@@ -156,6 +158,10 @@ impl SupportPlan {
             first_spacing: Flow::new(FlowRole::Support, first, true, settings).spacing_nm() as f64,
             first_density: (a.raft_first_layer_density / 100.0).clamp(0.0, 1.0),
             first_expansion: nm(a.raft_first_layer_expansion) as f64,
+            first_shrink: match a.raft_layers {
+                0 => settings.slicing.elefant_foot_compensation.nm(0) as f64,
+                _ => 0.0,
+            },
             base_z: raft::Heights::new(settings).top(),
             tree: TreePlan {
                 angle: s.support_tree_angle,

@@ -177,10 +177,13 @@ impl Below {
 }
 
 /// The part of `area`, of layer `i` of the part, that no support can hold: the place below it is nearer to
-/// the part than the gap beside, or the part lies below and leaves no room between the gaps.
+/// the part than the gap beside, or the part or the bed lies below and leaves no room between the gaps.
 pub(super) fn cramped(print: &Print, i: usize, rule: &Rule, area: &Rows) -> Rows {
     let (part, frame) = (print.part, print.part.frame);
     let Some(level) = part.levels.get(i).filter(|_| !area.is_empty()) else { return Rows::default() };
+    if level.bottom < rule.room_on_bed {
+        return area.clone();
+    }
     let reach = frame.units(rule.reach(part, i)) + frame.pitch();
     let beside = reach + frame.units(rule.xy_gap) + frame.pitch();
     let first = part.levels.partition_point(|l| l.top < level.bottom - rule.room - LEVEL);

@@ -32,7 +32,7 @@ pub use lines::{Hanging, hanging};
 
 use super::overhang::Overhang;
 use super::raft::Heights;
-use super::{LayerKind, Part, SupportLayer, SupportPlan};
+use super::{LayerKind, Part, SupportLayer, SupportPlan, tree};
 use crate::lattice::{Point2, nm};
 use crate::settings::flow::{Flow, FlowRole};
 use crate::settings::{Settings, SupportStyle};
@@ -78,7 +78,10 @@ pub struct Rule {
     pub foot: i64,
     /// Between parts that are no further apart than this above each other supports find no room.
     pub room: i64,
-    /// How far support may reach over the support below it, beside what its slope gives.
+    /// Under what begins lower than this above the bed supports find no room either.
+    pub room_on_bed: i64,
+    /// How far support may reach over the support below it, beside what its slope gives; with branches half of
+    /// what their roofs bridge.
     pub support_reach: f64,
     /// Tangent of the greatest slope of branches from upright; 0 for columns.
     pub support_slope: f64,
@@ -111,7 +114,12 @@ impl Rule {
                 + i64::from(plan.bottom_gap)
                 + i64::from(plan.heights[1])
                 + rounding,
-            support_reach: 0.5 * plan.width,
+            room_on_bed: i64::from(plan.base_z)
+                + i64::from(if plan.base_z == 0 { plan.first_height } else { plan.heights[0] })
+                + i64::from(plan.top_gap)
+                + drop,
+            // Roofs and their ribs bridge from branch to branch: nothing is further than half of that from one.
+            support_reach: 0.5 * (plan.width + if organic { tree::longest_span(plan) } else { 0.0 }),
             support_slope: if organic { libm::tan(plan.tree.angle.to_radians()) } else { 0.0 },
             straight: plan.width,
         }

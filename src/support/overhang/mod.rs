@@ -3,6 +3,7 @@
 mod bed;
 mod bridged;
 mod carry;
+mod foot;
 mod islands;
 mod slope;
 #[cfg(test)]
@@ -53,8 +54,11 @@ pub struct Bridges<'a> {
 /// Islands are taken however small, bridges that are held at both ends are left out where
 /// `plan.spare_bridges` says so, and without `plan.auto` only enforcers and `plan.enforce_layers` count.
 /// Connected parts smaller than a square of half a wall's width, 0.05 mm² with walls of 0.45 mm, are left
-/// out: no bead is laid there.
+/// out: no bead is laid there. The first layer counts as it was before it was shrunk against an elephant's
+/// foot.
 pub fn overhangs(part: Part, modifiers: Modifiers, bridges: Bridges, plan: &SupportPlan) -> Vec<Overhang> {
+    let outlines = foot::grown_back(part, plan);
+    let part = Part { outlines: &outlines, ..part };
     let finder = Finder { part, modifiers, bridges, plan };
     let mut found: Vec<Overhang> =
         (0..part.outlines.len()).into_par_iter().map(|i| finder.overhang(i)).collect();

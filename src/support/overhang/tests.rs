@@ -272,6 +272,19 @@ fn enforcers_and_blockers_have_their_way() {
 }
 
 #[test]
+fn a_shrunk_first_layer_makes_nothing_hang() {
+    let shrunk = vec![rect([0.2, 9.8], [0.2, 9.8])];
+    let layers = [vec![shrunk], vec![vec![rect([0.0, 10.0], [0.0, 10.0])]; 3]].concat();
+    for (turn, enforce) in [(0.0, 0), (30.0, 0), (45.0, 2)] {
+        let mut body = Body::new(&layers, turn, plan(60.0));
+        body.plan.enforce_layers = enforce;
+        assert!(body.plain().iter().any(|o| !o.area.is_empty()));
+        body.plan.first_shrink = 0.2e6;
+        assert!(body.plain().iter().all(|o| o.area.is_empty()), "turned {turn}");
+    }
+}
+
+#[test]
 fn the_first_layers_can_be_supported_as_they_are() {
     let mut body = Body::new(&wedge(70.0, 12), 0.0, plan(45.0));
     (body.plan.enforce_layers, body.plan.auto) = (5, false);

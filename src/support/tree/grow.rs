@@ -42,7 +42,7 @@ const SQUEEZED: f64 = 0.5;
 /// Greatest radius, in those of a thin branch.
 const THICKEST: f64 = 4.0;
 /// Two branches are one when the middle of one is this deep in the other's disc.
-const JOINED: f64 = 0.5;
+const JOINED: f64 = 0.7;
 
 /// Grows all branches.
 pub fn grow(stage: &Stage, field: &Field) -> Skeleton {

@@ -102,10 +102,15 @@ impl Stage<'_> {
 }
 
 fn span(plan: &SupportPlan) -> f64 {
+    longest_span(plan) * plan.frame.scale()
+}
+
+/// The distance of the ribs and posts that carry a roof, from middle to middle \[nm\]: its lines bridge that.
+pub fn longest_span(plan: &SupportPlan) -> f64 {
     let tip = 2.0 * plan.tree.tip_radius;
     let wanted = tip / plan.tree.top_rate.max(0.01);
     let least = tip + plan.tree.distance;
-    wanted.clamp(least, (tip + LONGEST_BRIDGE).max(least)) * plan.frame.scale()
+    wanted.clamp(least, (tip + LONGEST_BRIDGE).max(least))
 }
 
 /// What the lines of a roof may span from one rib to the next \[nm\].

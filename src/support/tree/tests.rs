@@ -306,5 +306,5 @@ fn on_the_bed_only_nothing_stands_on_the_part() {
     assert!(!layers.is_empty() && !on_plate(&layers));
     let mut anywhere = stack.plan.clone();
     anywhere.on_bed_only = false;
-    assert!(on_plate(&tree(stack.part(), &stack.overhangs, &anywhere)));
+    assert!(on_plate(&Stack::new(stack.outlines, anywhere).tree()));
 }
