@@ -187,8 +187,9 @@ pub(super) fn cramped(print: &Print, i: usize, rule: &Rule, area: &Rows) -> Rows
     let reach = frame.units(rule.reach(part, i)) + frame.pitch();
     let beside = reach + frame.units(rule.xy_gap) + frame.pitch();
     let first = part.levels.partition_point(|l| l.top < level.bottom - rule.room - LEVEL);
-    // Those that a support at the greatest distance would stand beside.
-    let next = part.levels.partition_point(|l| l.top < level.bottom - rule.contact - LEVEL).max(first);
+    // Those that a support at the greatest distance, as thick as they come, would stand beside.
+    let beside_from = level.bottom - rule.contact - rule.thickest - LEVEL;
+    let next = part.levels.partition_point(|l| l.top < beside_from).max(first);
     let mut left = area.clone();
     for (range, radius) in [(first..next, reach), (next..i, beside)] {
         for outline in part.outlines.get(range).unwrap_or_default() {
@@ -202,8 +203,9 @@ pub(super) fn cramped(print: &Print, i: usize, rule: &Rule, area: &Rows) -> Rows
 pub(super) fn ending(print: &Print, z: Range<i64>) -> Rows {
     let first = print.supports.partition_point(|l| i64::from(l.print_z) < z.start);
     let layers = print.supports.get(first..).unwrap_or_default();
-    let within = layers.iter().take_while(|l| i64::from(l.print_z) < z.end);
-    within.fold(Rows::default(), |all, layer| or(&all, &area(layer)))
+    let mut within = layers.iter().take_while(|l| i64::from(l.print_z) < z.end);
+    let first = within.next().map(area).unwrap_or_default();
+    within.fold(first, |all, layer| or(&all, &area(layer)))
 }
 
 /// The part of `area` that is more than `radius` \[units\] from `ground`.

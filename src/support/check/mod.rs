@@ -78,6 +78,8 @@ pub struct Rule {
     pub foot: i64,
     /// Between parts that are no further apart than this above each other supports find no room.
     pub room: i64,
+    /// Greatest thickness of a layer of support.
+    pub thickest: i64,
     /// Under what begins lower than this above the bed supports find no room either.
     pub room_on_bed: i64,
     /// How far support may reach over the support below it, beside what its slope gives; with branches half of
@@ -114,10 +116,12 @@ impl Rule {
                 + i64::from(plan.bottom_gap)
                 + i64::from(plan.heights[1])
                 + rounding,
+            thickest: plan.heights[1].into(),
             room_on_bed: i64::from(plan.base_z)
                 + i64::from(if plan.base_z == 0 { plan.first_height } else { plan.heights[0] })
                 + i64::from(plan.top_gap)
-                + drop,
+                + drop
+                + rounding,
             // Roofs and their ribs bridge from branch to branch: nothing is further than half of that from one.
             support_reach: 0.5 * (plan.width + if organic { tree::longest_span(plan) } else { 0.0 }),
             support_slope: if organic { libm::tan(plan.tree.angle.to_radians()) } else { 0.0 },
@@ -216,6 +220,9 @@ fn largest(area: &Rows, frame: &RowFrame) -> Option<(f64, Point2)> {
 
 /// Everything that a layer of supports prints.
 pub fn area(layer: &SupportLayer) -> Rows {
+    if layer.interface.is_empty() && layer.bottom_interface.is_empty() {
+        return layer.base.clone();
+    }
     or(&or(&layer.base, &layer.interface), &layer.bottom_interface)
 }
 

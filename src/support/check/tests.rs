@@ -30,6 +30,7 @@ fn rule() -> Rule {
         contact: LAYER,
         foot: 2 * LAYER,
         room: 3 * LAYER,
+        thickest: 0,
         room_on_bed: 0,
         support_reach: 200_000.0,
         support_slope: 0.0,
