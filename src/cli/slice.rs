@@ -84,14 +84,16 @@ pub fn run(args: &SliceArgs) -> Result<(), CliError> {
         let summary = filament::write(planned, &job, &mut out, &spinner)
             .map_err(|e| e.at(Path::new("standard output")))?;
         out.flush().map_err(failed)?;
+        args.supports.write(record, &summary)?;
         summary
     } else {
         let mut out = OutputFile::create(&output).map_err(JobError::from)?;
         let summary = filament::write(planned, &job, &mut out, &spinner).map_err(|e| e.at(&output))?;
+        // A report that cannot be written leaves no G-code that nobody has a report of.
+        args.supports.write(record, &summary)?;
         out.commit().map_err(JobError::from)?;
         summary
     };
-    args.supports.write(record, &summary)?;
     drop(spinner);
 
     summary.output = output.display().to_string();

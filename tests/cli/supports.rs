@@ -55,8 +55,32 @@ fn modifiers_that_do_not_fit_are_said() {
     let done = run(&["--support-blocker", "bad.stl", "--support-material"]);
     assert_eq!(done.status.code(), Some(3));
     assert!(stderr(&done).contains("bad.stl"), "{}", stderr(&done));
+    // No G-code without the report that was asked for.
+    std::fs::remove_file(bench.path("out.gcode")).unwrap();
     let done = run(&["--support-report", "no/such/folder/report.json"]);
     assert_eq!(done.status.code(), Some(6));
+    assert!(!bench.path("out.gcode").exists());
+}
+
+#[test]
+fn enforcers_make_supports_and_blockers_take_them_away() {
+    let bench = Bench::new();
+    bench.stl("tee.stl", &shapes::tee());
+    // Around one arm, from the bar's middle outwards.
+    let arm = shapes::cuboid([8.0, -50.0, 15.0], [60.0, 50.0, 30.0]);
+    bench.stl("arm.stl", &arm);
+    let hanging = |more: &[&str]| {
+        let (_, found) =
+            report(&bench, "tee.stl", &[&["--support-material", "--dont-support-bridges=0"], more].concat());
+        found["hanging_mm2"].as_f64().unwrap()
+    };
+    let (both, none) = (hanging(&[]), hanging(&["--support-material-auto=0"]));
+    let enforced = hanging(&["--support-material-auto=0", "--support-enforcer", "arm.stl"]);
+    let blocked = hanging(&["--support-blocker", "arm.stl"]);
+    assert!(none == 0.0 && (both - 800.0).abs() < 40.0, "{both} {none}");
+    // The arm beyond 8 mm: 17 x 20 mm.
+    assert!((enforced - 340.0).abs() < 20.0, "{enforced}");
+    assert!((blocked - (both - enforced)).abs() < 5.0, "{blocked} {both} {enforced}");
 }
 
 #[test]
