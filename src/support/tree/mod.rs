@@ -4,7 +4,7 @@
 //! lies on nothing is carried by branches. These grow layer by layer towards the plate, lean towards their
 //! neighbours and grow together, keep clear of the part, and are smoothed when all are known.
 //!
-//! Memory: per layer the clearance to the part, about twice the part's own rows; per [`field`] at most 32 MB;
+//! Memory: per layer the clearance to the part, about twice the part's own rows; per field of where the bed can be reached from at most 32 MB;
 //! 40 bytes per branch and layer.
 
 mod clearance;
