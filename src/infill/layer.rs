@@ -11,7 +11,7 @@ use super::{FillKind, FillPath, FillPlan};
 use crate::contour::Ring;
 use crate::region::Island;
 use crate::span::algebra::{or, sub};
-use crate::span::{RowFrame, Rows, Trace, scan};
+use crate::span::{RowFrame, Rows, Trace, scan_layers};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -89,21 +89,7 @@ fn on_rows<'a, R: Iterator<Item = &'a Ring>>(
     frame: &RowFrame,
     rings: impl Fn(&'a Island) -> R + Sync,
 ) -> Vec<Arc<Rows>> {
-    let of = |i: usize| layers[i].islands.iter().flat_map(&rings);
-    let scanned: Vec<Option<Arc<Rows>>> = (0..layers.len())
-        .into_par_iter()
-        .map(|i| {
-            let is_same = i > 0 && of(i).eq(of(i - 1));
-            (!is_same).then(|| Arc::new(scan(of(i).map(|r| &r[..]), frame)))
-        })
-        .collect();
-    let mut last = Arc::default();
-    let mut shared = Vec::with_capacity(scanned.len());
-    for rows in scanned {
-        last = rows.unwrap_or(last);
-        shared.push(Arc::clone(&last));
-    }
-    shared
+    scan_layers(layers.len(), |i| layers[i].islands.iter().flat_map(&rings).map(|r| &r[..]), frame)
 }
 
 /// Takes the bridges out of every layer's areas, those over sparse infill and those over air; what is

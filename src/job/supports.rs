@@ -7,11 +7,10 @@ use crate::region::Island;
 use crate::settings::Settings;
 use crate::slice::planes::LayerZ;
 use crate::span::algebra::{or, sub};
-use crate::span::{RowFrame, Rows, scan};
+use crate::span::{RowFrame, Rows, scan, scan_layers};
 use crate::support::overhang::{Bridges, Modifiers, Overhang, overhangs};
 use crate::support::raft::{self, Heights};
 use crate::support::{self, Level, Part, Strand, SupportLayer, SupportPlan, brim, paths};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// What is printed beside the part.
@@ -43,20 +42,8 @@ pub struct OnRows {
 impl OnRows {
     /// The layers of a part; `z` are their heights above the bed.
     pub fn new(islands: &[Vec<Island>], z: &[LayerZ], frame: RowFrame) -> Self {
-        let of = |i: usize| islands[i].iter().flat_map(|i| i.outline.rings());
-        let scanned: Vec<Option<Arc<Rows>>> = (0..islands.len())
-            .into_par_iter()
-            .map(|i| {
-                let is_same = i > 0 && of(i).eq(of(i - 1));
-                (!is_same).then(|| Arc::new(scan(of(i).map(|r| &r[..]), &frame)))
-            })
-            .collect();
-        let mut last = Arc::default();
-        let mut outlines = Vec::with_capacity(scanned.len());
-        for rows in scanned {
-            last = rows.unwrap_or(last);
-            outlines.push(Arc::clone(&last));
-        }
+        let rings = |i: usize| islands[i].iter().flat_map(|i| i.outline.rings()).map(|r| &r[..]);
+        let outlines = scan_layers(islands.len(), rings, &frame);
         let level = |l: &LayerZ| Level { top: l.print_z.into(), bottom: (l.print_z - l.height).into() };
         Self { outlines, levels: z.iter().map(level).collect(), frame }
     }

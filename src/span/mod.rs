@@ -19,7 +19,7 @@ pub mod window;
 pub use edges::EdgeScan;
 pub use frame::{Axis, RowFrame};
 pub use rows::{Rows, RowsBuilder, Span};
-pub use scan::{Hit, Trace, scan, trace};
+pub use scan::{Hit, Trace, scan, scan_layers, trace};
 pub use window::{RowWindow, WindowError};
 
 #[cfg(test)]

@@ -6,6 +6,8 @@
 
 use super::{RowFrame, Rows, RowsBuilder};
 use crate::lattice::Point2;
+use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Where a ring crosses a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +44,28 @@ pub fn scan<'a>(rings: impl IntoIterator<Item = &'a [Point2]>, frame: &RowFrame)
         walk(ring, i as u32, frame, &mut hits);
     }
     sweep(&hits, |_, _| {})
+}
+
+/// The rows of every layer's closed rings; a layer like the one below shares its rows. Length = `layers`.
+pub fn scan_layers<'a, R: Iterator<Item = &'a [Point2]>>(
+    layers: usize,
+    rings: impl Fn(usize) -> R + Sync,
+    frame: &RowFrame,
+) -> Vec<Arc<Rows>> {
+    let scanned: Vec<Option<Arc<Rows>>> = (0..layers)
+        .into_par_iter()
+        .map(|i| {
+            let is_same = i > 0 && rings(i).eq(rings(i - 1));
+            (!is_same).then(|| Arc::new(scan(rings(i), frame)))
+        })
+        .collect();
+    let mut last = Arc::default();
+    let mut shared = Vec::with_capacity(scanned.len());
+    for rows in scanned {
+        last = rows.unwrap_or(last);
+        shared.push(Arc::clone(&last));
+    }
+    shared
 }
 
 /// As [`scan`], keeping the crossings so that the border can be followed from a span's end.

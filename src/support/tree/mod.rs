@@ -4,8 +4,8 @@
 //! lies on nothing is carried by branches. These grow layer by layer towards the plate, lean towards their
 //! neighbours and grow together, keep clear of the part, and are smoothed when all are known.
 //!
-//! Memory: per layer the clearance to the part, about twice the part's own rows; per field of where the bed can be reached from at most 32 MB;
-//! 40 bytes per branch and layer.
+//! Memory: per layer the clearance to the part, about twice the part's own rows; at most 32 MB for each field
+//! that tells from where the bed can be reached; 40 bytes per branch and layer.
 
 mod clearance;
 mod contacts;
