@@ -25,5 +25,9 @@ pub mod gcode;
 pub mod picture;
 pub mod export;
 pub mod job;
+pub mod slicer;
+pub mod batch;
 pub mod bench;
 pub mod cli;
+
+pub use slicer::Slicer;

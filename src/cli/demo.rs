@@ -49,6 +49,7 @@ pub fn run(args: &DemoArgs) -> Result<(), CliError> {
         stem: "demo".to_owned(),
         date: super::source_date_epoch(),
         modifiers: ModifierFiles::default(),
+        copies: 1,
     };
     let job = on(Backend::Cpu, None);
     let planned = plan(&job, &spinner)?;

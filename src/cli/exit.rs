@@ -1,6 +1,7 @@
 //! Exit codes: what a script can tell from them.
 
 use super::setting_flags::FlagError;
+use crate::batch::BatchError;
 use crate::bench::BenchError;
 use crate::export::UnknownFormat;
 use crate::job::JobError;
@@ -19,6 +20,9 @@ pub const EXIT_CODES: &str = "Exit codes:
   4  a setting, a list of planes or a G-code template is wrong
   5  the GPU asked for is missing or failed
   6  the output cannot be written
+  7  batch: some jobs failed; the others are done
+  8  batch: no job succeeded
+  9  batch: stopped on the way; --resume goes on
 A message on stderr names the file, the place and the remedy. With any code but 0 the output file is as it was before.";
 
 /// Why a command ended early.
@@ -75,6 +79,12 @@ pub enum CliError {
         /// Number of layers.
         count: usize,
     },
+    /// A batch could not be begun or had to stop.
+    #[error(transparent)]
+    Batch(#[from] BatchError),
+    /// Some jobs of a batch failed, or all: 7 or 8. All has been said.
+    #[error("not all jobs were done")]
+    Unfinished(u8),
     /// Standard output could not be written.
     #[error("cannot write to standard output: {0}")]
     Stdout(#[from] std::io::Error),
@@ -92,36 +102,10 @@ impl CliError {
             Self::Stdout(_) => 6,
             Self::Bench(BenchError::Different { .. }) => 1,
             Self::Bench(BenchError::Threads { .. }) => 2,
-            Self::Job(e) | Self::Bench(BenchError::Job(e)) => match e {
-                JobError::Mesh(_)
-                | JobError::Place { .. }
-                | JobError::TooHighOnRaft { .. }
-                | JobError::Plate(_)
-                | JobError::OffPanel { .. }
-                | JobError::Section(_)
-                | JobError::Dark { .. }
-                | JobError::Planes { .. }
-                | JobError::Trace(_)
-                | JobError::Modifier { .. }
-                | JobError::Direction(_)
-                | JobError::NothingBelow { .. }
-                | JobError::Empty { .. } => 3,
-                JobError::Settings(_)
-                | JobError::Raster(_)
-                | JobError::LayerRange { .. }
-                | JobError::Unfit { .. }
-                | JobError::NoWriter(_)
-                | JobError::NoFormat { .. }
-                | JobError::Template(_)
-                | JobError::PlaneList(_)
-                | JobError::PlaneFile { .. }
-                | JobError::Picture(_) => 4,
-                #[cfg(feature = "gpu")]
-                JobError::Device(_) => 5,
-                JobError::NoGpuSupport => 5,
-                JobError::Output(e) if e.is_broken_pipe() => 0,
-                JobError::Output(_) => 6,
-            },
+            Self::Job(JobError::Output(e)) if e.is_broken_pipe() => 0,
+            Self::Job(e) | Self::Bench(BenchError::Job(e)) => e.kind().exit_code(),
+            Self::Batch(e) => e.exit_code(),
+            Self::Unfinished(code) => *code,
         })
     }
 }

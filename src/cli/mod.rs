@@ -1,5 +1,6 @@
 //! The command line.
 
+pub mod batch;
 pub mod bench;
 pub mod contours;
 pub mod below;
@@ -13,9 +14,11 @@ pub mod options;
 pub mod printers;
 pub mod progress;
 pub mod report;
+pub mod reports;
 pub mod setting_flags;
 pub mod slice;
 pub mod support_args;
+pub mod worker;
 
 use clap::{Parser, Subcommand};
 use exit::CliError;
@@ -34,6 +37,12 @@ struct Cli {
 enum Command {
     /// Slice a model into G-code
     Slice(slice::SliceArgs),
+    /// Slice thousands of models: files, folders, patterns, manifests; nothing is lost, --resume goes on
+    Batch(batch::BatchArgs),
+    /// Answer requests, lines of JSON on standard input, with a device and caches that stay warm
+    Worker(worker::WorkerArgs),
+    /// Join the reports of batches and shards into one
+    Report(reports::ReportArgs),
     /// Cut a model into contours: SVG, JSON, WKT, Common Layer Interface, or a folder of pictures
     Contours(contours::ContoursArgs),
     /// Slice the built-in part into demo.gcode and demo.png, and compare CPU and GPU
@@ -100,6 +109,9 @@ fn run(command: &Command) -> Result<(), CliError> {
     match command {
         Command::Slice(args) => slice::run(args),
         Command::Mask(args) => mask::run(args),
+        Command::Batch(args) => batch::run(args),
+        Command::Worker(args) => worker::run(args),
+        Command::Report(args) => reports::run(args),
         Command::Contours(args) => contours::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Below(args) => below::run(args),

@@ -66,7 +66,7 @@ pub fn set_threads(threads: Option<u16>) {
 const LEAST_MEMORY: u64 = 1 << 20;
 
 /// A number of bytes, with a unit of 1024, 1024^2, ... bytes behind it.
-fn memory_size(text: &str) -> Result<u64, String> {
+pub(super) fn memory_size(text: &str) -> Result<u64, String> {
     let text = text.trim();
     let bytes = text.trim_end_matches(['b', 'B']);
     let bytes = bytes.strip_suffix(['i', 'I']).unwrap_or(bytes);

@@ -71,6 +71,7 @@ pub fn run(args: &SliceArgs) -> Result<(), CliError> {
         stem: stem(&args.model),
         date: super::source_date_epoch(),
         modifiers: args.supports.modifiers(),
+        copies: 1,
     };
     let spinner = Spinner::new(args.run.quiet);
     let mut planned = filament::plan_with(&args.model, &job, args.supports.wish(), &spinner)?;

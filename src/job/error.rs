@@ -12,6 +12,7 @@ use crate::slice::direction::DirectionError;
 use crate::slice::planes::PlaneError;
 use crate::slice::planes::list::ListError;
 use crate::slice::section::SectionError;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -169,6 +170,82 @@ pub enum JobError {
     /// The output cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// The caller wanted the job to stop.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// What a failure is about: what a caller can tell from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FailureKind {
+    /// The model cannot be read, sliced or placed.
+    Model,
+    /// A setting, a list of planes or a G-code template is wrong.
+    Settings,
+    /// The GPU asked for is missing or failed.
+    Device,
+    /// The output cannot be written.
+    Output,
+    /// A defect of microtome itself: a panic.
+    Defect,
+    /// The caller wanted the job to stop.
+    Cancelled,
+    /// The job took longer than it may.
+    TimeLimit,
+    /// The job took more memory than it may.
+    MemoryLimit,
+    /// The process that did the job died.
+    Crashed,
+}
+
+impl FailureKind {
+    /// The exit code of a command that ends so.
+    pub const fn exit_code(self) -> u8 {
+        match self {
+            Self::Model => 3,
+            Self::Settings => 4,
+            Self::Device => 5,
+            Self::Output => 6,
+            Self::Defect | Self::Cancelled | Self::TimeLimit | Self::MemoryLimit | Self::Crashed => 1,
+        }
+    }
+}
+
+impl JobError {
+    /// What the failure is about.
+    pub fn kind(&self) -> FailureKind {
+        match self {
+            Self::Mesh(_)
+            | Self::Place { .. }
+            | Self::TooHighOnRaft { .. }
+            | Self::Plate(_)
+            | Self::OffPanel { .. }
+            | Self::Section(_)
+            | Self::Dark { .. }
+            | Self::Planes { .. }
+            | Self::Trace(_)
+            | Self::Modifier { .. }
+            | Self::Direction(_)
+            | Self::NothingBelow { .. }
+            | Self::Empty { .. } => FailureKind::Model,
+            Self::Settings(_)
+            | Self::Raster(_)
+            | Self::LayerRange { .. }
+            | Self::Unfit { .. }
+            | Self::NoWriter(_)
+            | Self::NoFormat { .. }
+            | Self::Template(_)
+            | Self::PlaneList(_)
+            | Self::PlaneFile { .. }
+            | Self::Picture(_) => FailureKind::Settings,
+            #[cfg(feature = "gpu")]
+            Self::Device(_) => FailureKind::Device,
+            Self::NoGpuSupport => FailureKind::Device,
+            Self::Output(_) => FailureKind::Output,
+            Self::Cancelled => FailureKind::Cancelled,
+        }
+    }
 }
 
 /// The extensions of all formats of masks, as part of a sentence.
@@ -206,5 +283,11 @@ impl From<std::io::Error> for WriteError {
 impl From<TemplateError> for WriteError {
     fn from(e: TemplateError) -> Self {
         Self::Job(e.into())
+    }
+}
+
+impl From<JobError> for WriteError {
+    fn from(e: JobError) -> Self {
+        Self::Job(e)
     }
 }

@@ -7,7 +7,7 @@ use super::gcode_text::GcodeText;
 use super::modifiers::{Cuts, ModifierRows};
 use super::open::OpenContours;
 use super::part::{self, MeshOptions, Part, PartOptions};
-use super::progress::Progress;
+use super::progress::{Progress, go_on};
 use super::summary::{FilamentSummary, Stopwatch, Summary};
 use super::support_report::{Subject, SupportRecord, SupportWish};
 use super::{adhesion, assemble, support_report, supports};
@@ -24,6 +24,7 @@ use crate::slice::planes::{self, LayerZ};
 use crate::support::SupportPlan;
 use crate::support::raft::{self, Heights};
 use crate::{gcode, infill, region};
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -44,6 +45,8 @@ pub struct FilamentJob<'a> {
     pub date: i64,
     /// Where supports are wanted and where not.
     pub modifiers: ModifierFiles,
+    /// How many of the model are laid on the bed, side by side; 0 counts as 1.
+    pub copies: u32,
 }
 
 /// Meshes in the model's frame that say where supports go.
@@ -221,12 +224,24 @@ fn plan_loaded(
         filament: FilamentSummary::default(),
         bounds_mm: None,
         time_lower_bound_s: 0.0,
+        time_by_role_s: BTreeMap::new(),
         warnings,
         backend: traced.backend,
         ignored_settings: Vec::new(),
         stages: Vec::new(),
     };
     Ok(Planned { layers, origin, supports: record, summary, watch })
+}
+
+/// What [`plan`] and [`write`] would say, without writing anything: same filament, same layers, same bound of
+/// the time. `bytes` is 0.
+///
+/// # Errors
+/// As [`plan`].
+pub fn estimate(path: &Path, job: &FilamentJob<'_>, progress: &dyn Progress) -> Result<Summary, JobError> {
+    let planned = plan(path, job, progress)?;
+    let summary = write(planned, job, &mut std::io::sink(), progress).map_err(|e| e.at(path))?;
+    Ok(Summary { bytes: 0, ..summary })
 }
 
 /// Puts the layers in order and writes them, one after the other.
@@ -239,6 +254,21 @@ pub fn write(
     out: &mut impl Write,
     progress: &dyn Progress,
 ) -> Result<Summary, WriteError> {
+    Ok(write_keeping(planned, job, out, progress, None)?.0)
+}
+
+/// [`write`]; also gives the extrusions of one layer, counted from 0, for a picture.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_keeping(
+    planned: Planned,
+    job: &FilamentJob<'_>,
+    out: &mut impl Write,
+    progress: &dyn Progress,
+    keep: Option<usize>,
+) -> Result<(Summary, Option<LayerPlan>), WriteError> {
+    let mut kept = None;
     let Planned { layers, origin, mut summary, mut watch, .. } = planned;
     progress.stage("writing");
     watch.stage("order and write");
@@ -258,9 +288,13 @@ pub fn write(
     let mut planner = Planner::new(home(origin), settings);
     let mut writer = gcode::Writer::new(out, layers.len(), origin, settings, &texts)?;
     let mut plan = LayerPlan::default();
-    for layer in layers {
+    for (index, layer) in layers.into_iter().enumerate() {
+        go_on(progress)?;
         planner.layer(&layer, &mut plan);
         writer.layer(&plan)?;
+        if keep == Some(index) {
+            kept = Some(plan.clone());
+        }
     }
     let written = writer.finish()?;
     summary.filament = filament_summary(&written, settings);
@@ -268,7 +302,7 @@ pub fn write(
     summary.time_lower_bound_s = written.seconds_at_least;
     summary.bytes = written.bytes;
     summary.stages = watch.finish();
-    Ok(summary)
+    Ok((summary, kept))
 }
 
 /// Where the nozzle starts: at the bed's origin, as after homing, in the mesh's frame and reach.

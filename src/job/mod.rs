@@ -23,4 +23,4 @@ pub mod support_report;
 pub mod supports;
 pub mod toolpaths;
 
-pub use error::JobError;
+pub use error::{FailureKind, JobError};

@@ -95,6 +95,7 @@ fn gcode(bench: &Bench) -> Result<(), Failed> {
             stem: "ball".to_owned(),
             date: 0,
             modifiers: Default::default(),
+            copies: 1,
         };
         let mesh = shapes::sphere(12.0, 40, 30);
         let facets = mesh.triangles.len() as u64;

@@ -44,6 +44,7 @@ fn job(settings: &Settings) -> FilamentJob<'_> {
         stem: "part".to_owned(),
         date: 0,
         modifiers: Default::default(),
+        copies: 1,
     }
 }
 

@@ -157,6 +157,7 @@ impl Case {
             stem: "part".to_owned(),
             date: 0,
             modifiers: Default::default(),
+            copies: 1,
         };
         let facets = self.mesh.triangles.len() as u64;
         let loaded = Loaded { mesh: self.mesh.clone(), facets, collapsed: 0, warnings: Vec::new() };

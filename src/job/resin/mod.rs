@@ -199,6 +199,21 @@ pub fn run(
     })
 }
 
+/// What [`run`] would say of a print in `format`, without writing anything: same layers, same volume, same bound
+/// of the time. `bytes` is 0.
+///
+/// # Errors
+/// As [`run`].
+pub fn estimate(
+    paths: &[PathBuf],
+    job: &ResinJob<'_>,
+    format: Format,
+    progress: &dyn Progress,
+) -> Result<ResinSummary, JobError> {
+    let nowhere = Path::new("/dev/null");
+    Ok(ResinSummary { bytes: 0, ..run(paths, job, format, nowhere, progress)? })
+}
+
 /// The layers wanted.
 struct Layers {
     list: Vec<LayerZ>,

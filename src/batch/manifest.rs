@@ -1,0 +1,1 @@
+//! Manifests: a job a line, as JSON or CSV.

@@ -1,0 +1,1 @@
+//! Names of outputs that collide with no other.

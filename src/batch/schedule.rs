@@ -1,0 +1,1 @@
+//! Which job comes next, and with how many threads.
