@@ -3,7 +3,7 @@
 
 usage: slurm.py WORK --microtome PATH --models DIR [--load FILE.ini] [--tasks 8] [--kill-at 0.3] [--back-after 20]
        slurm.py WORK --dummy             (the same with a stand-in that sleeps and writes files; no microtome needed)
-       slurm.py WORK --microtome PATH --models DIR --stop   (no node dies: a running task is told to stop, and goes on)
+       slurm.py WORK --microtome PATH --models DIR --stop   (no node dies: a running task is put back into the queue, as by preemption)
 
 Starts munged, slurmctld and two slurmd in the folder WORK (made anew; nothing outside it is touched), without systemd and cgroups. Then:
   1. an undisturbed run of the whole batch by one process, for comparison: WORK/alone
@@ -239,8 +239,8 @@ def run_array(a, cluster, expected, flags, check, folders, alone_seconds):
     hit = running()
     if a.stop:
         at = time.time()
-        for i in hit: cluster.ask('scancel', '--batch', '--signal=TERM', f'{array_id(cluster)}_{i}')
-        say(f'task {hit} on n1 told to stop, {there()} of {len(expected)} outputs there')
+        for i in hit: cluster.ask('scontrol', 'requeue', f'{array_id(cluster)}_{i}')
+        say(f'task {hit} on n1 put back into the queue (SIGTERM, then SIGKILL after KillWait), {there()} of {len(expected)} outputs there')
     else:
         victims = len(cluster.processes('n1')); cluster.kill_node('n1'); at = time.time()
         now = {n: h for n, h in outputs(out).items() if n in expected}
@@ -265,12 +265,12 @@ def run_array(a, cluster, expected, flags, check, folders, alone_seconds):
     check(all(len(v) >= 1 for v in again.values()), f'tasks {hit} were started again')
     check(all(len(v) == (2 if i in hit else 1) for i, v in begun.items()), 'the others were started once')
     check(len(begun) == a.tasks and all(v[-1][1] in (0, 7) for v in ended.values()), 'every task has ended well')
-    if a.stop: check(all(ended[i][0][1] == 9 for i in hit), 'the task told to stop ended with 9')
+    if a.stop: check(all(ended[i][0][1] == 9 for i in hit), 'the task put back ended with 9')
     print(f'  wall time alone, {2 * a.cpus} threads            {alone_seconds:8.1f} s')
     print(f'  wall time of the array job, two nodes  {end - begin:8.1f} s')
     if not a.stop: print(f'  death of n1 -> noticed                 {noticed if noticed is not None else float("nan"):8.1f} s   (SlurmdTimeout {a.node_timeout} s)')
     for i, v in again.items():
-        what = 'told to stop' if a.stop else 'death of n1'
+        what = 'requeue' if a.stop else 'death of n1'
         print(f'  {what} -> task {i} runs again        {min(v, default=float("nan")):8.1f} s   (cred_expire {a.requeue_wait} s; on {next((n for t, n in begun[i] if t > at), "?")})')
     if not a.stop:
         later = [t for v in begun.values() for t, n in v if n == 'n1' and t > at + back]
