@@ -13,10 +13,11 @@ shell's loop; --peer-jobs N runs N of them at a time, as xargs -P N does. MODELS
 sliced and what is to be refused.
 
 Every file is read once before, so that none pays for a cold disk. Order: batch and slice, the peers, batch and slice again, up to --runs in
-all; peers run once. Times are wall, and user + system of all processes. A model that takes longer than --limit is a timeout; the ratio is
-given with timeouts as they are, and without them (ours still with all models, which favours the peer).
+all; peers run once. Times are wall, and user + system of all processes. A model that takes longer than --limit is a timeout. Ratios are given with
+timeouts at the limit, and without these models on either side (the batch's time without them by their share of its CPU time); the latter is judged.
 Busy is CPU time over wall time times cores; `machine` is what /proc/stat says, others' processes included. Memory is the sum of resident
-sets over the tree of processes, pages they share counted for each, sampled ten times a second; shorter peaks are missed.
+sets over the tree of processes, pages they share counted for each, sampled ten times a second; shorter peaks are missed; of loops
+it is the largest resident set of a process, which is never below Python's own 26 MB.
 With --sample K every program gets every K-th model only: the rows say so, and no verdict is given.
 
 Exit code 0 when the marks hold: 25 x prusa, 15 x cura, 1.5 x slice, busy above 90 %, memory within --memory, outcome of every model as
@@ -25,6 +26,7 @@ models.csv says, bytes of batch and slice equal; estimates: material equal, 3 x 
 import argparse, csv, hashlib, json, os, re, shutil, statistics, subprocess, sys, tempfile, threading, time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(HERE, '..', 'peers'))
 import compare
 
@@ -145,7 +147,7 @@ def sample_folder(models, names, k, tmp):
 def main():
     ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     ap.add_argument('models'); ap.add_argument('--microtome', default='target/release/microtome'); ap.add_argument('--only', default='batch,slice,prusa,cura')
-    ap.add_argument('--runs', type=int, default=2); ap.add_argument('--memory', default='2G'); ap.add_argument('--limit', type=float, default=120)
+    ap.add_argument('--runs', type=int, default=2); ap.add_argument('--memory', default='2G'); ap.add_argument('--limit', type=float, default=60)
     ap.add_argument('--sample', type=int, default=1); ap.add_argument('--peer-jobs', type=int, default=1); ap.add_argument('--ini', default=os.path.join(HERE, '..', 'peers', 'matched.ini'))
     ap.add_argument('--csv'); ap.add_argument('--per-model'); ap.add_argument('--folder', help='where outputs go [default: the temporary folder]')
     ap.add_argument('--flag', action='append', default=[], help='a further flag of microtome batch, as --flag=--no-pictures')
@@ -172,7 +174,7 @@ def main():
         size = sum(os.path.getsize(os.path.join(folder, n)) for n in names)
         print(f'{len(names)} models ({label}), {size / 1e6:.0f} MB, {cores} cores, load before {os.getloadavg()[0]:.2f}', flush=True)
         print(f'{"":10s}{"models/min":>11s}{"wall s":>9s}{"cpu s":>9s}{"busy %":>8s}{"machine %":>10s}{"peak MB":>9s}{"ok":>6s}{"failed":>8s}{"blank":>7s}{"timeout":>9s}{"unlike models.csv":>19s}', flush=True)
-        hashes, material, times = {}, {}, {}
+        hashes, material, times, late, own_cpu = {}, {}, {}, {}, {}
         for k, tool in enumerate(order):
             out = os.path.join(tmp, f'{k}-{tool}'); os.makedirs(out); b0, t0 = machine_busy()
             with open(os.path.join(tmp, f'{k}-{tool}.log'), 'wb') as log:
@@ -193,6 +195,8 @@ def main():
                 h = {n: digest(p['path']) for n, p in per.items() if p['result'] == 'ok'}
                 other = hashes.setdefault('first', h); differ = [n for n in h if other.get(n) != h[n]] + [n for n in other if n not in h]
                 if differ: bad.append(f'{tool}: {len(differ)} outputs differ from those of {order[0]}, such as {sorted(differ)[:3]}')
+            late.setdefault(tool, {n for n, p in per.items() if p['result'] == 'timeout'})
+            if tool == 'batch': own_cpu = {n: p['cpu'] for n, p in per.items() if p['cpu'] == p['cpu']}
             if tool in ('batch', 'estimate'): material.setdefault(tool, {n: grams(p['row']) for n, p in per.items() if p['result'] == 'ok'})
             shutil.rmtree(out)
     def marks():
@@ -201,13 +205,15 @@ def main():
         wall = statistics.median(r['wall_s'] for r in best)
         for t, rs in times.items():
             if t == 'batch': continue
-            w = statistics.median(r['wall_s'] for r in rs); ratio = w / wall; less = statistics.median(r['wall_without_timeouts_s'] for r in rs) / wall
+            w = statistics.median(r['wall_s'] for r in rs); ratio = w / wall; whole = sum(own_cpu.values())
+            share = 1 - sum(own_cpu.get(n, 0) for n in late[t]) / whole if whole else 1
+            less = statistics.median(r['wall_without_timeouts_s'] for r in rs) / (wall * share)
             if t == 'estimate':
                 yield 1 / ratio >= 3, f'estimate is {1 / ratio:.2f} x as fast as batch (mark 3)'
                 differ = [n for n, m in material['estimate'].items() if m != material['batch'].get(n)]
                 yield not differ, f'material of {len(material["estimate"]) - len(differ)} of {len(material["estimate"])} estimates is that of the full run' + (f', not of {differ[:3]}' if differ else '')
                 continue
-            text = f'batch is {ratio:.2f} x as fast as the loop of {t}' + (f', {less:.2f} x without its {rs[0]["timeouts"]} timeouts' if rs[0]['timeouts'] else '')
+            text = f'batch is {ratio:.2f} x as fast as the loop of {t}' + (f', {less:.2f} x without its {rs[0]["timeouts"]} timeouts on either side' if rs[0]['timeouts'] else '')
             mark = MARKS.get(t); yield mark is None or less >= mark, text + (f' (mark {mark:g})' if mark else '')
         busy = statistics.median(r['busy'] for r in best); yield busy > 0.9, f'{100 * busy:.1f} % of {cores} cores busy with the batch (mark 90)'
         peak = max(r['peak_mb'] for r in best); yield peak * 1e6 <= size_of(a.memory), f'peak memory {peak:.0f} MB of {a.memory}'
