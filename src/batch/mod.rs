@@ -5,6 +5,7 @@
 
 mod error;
 pub mod event;
+pub mod inputs;
 pub mod item;
 pub mod journal;
 pub mod key;

@@ -8,6 +8,7 @@ pub mod demo;
 pub mod devices;
 pub mod exit;
 pub mod inspect;
+mod interrupt;
 pub mod mask;
 pub mod mesh_args;
 pub mod options;
