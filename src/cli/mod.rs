@@ -1,6 +1,7 @@
 //! The command line.
 
 pub mod batch;
+pub mod batch_view;
 pub mod bench;
 pub mod contours;
 pub mod below;
