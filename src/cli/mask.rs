@@ -186,7 +186,7 @@ fn reach(text: &str) -> Result<f64, String> {
     super::mesh_args::length(text, 0.0, 10.0)
 }
 
-fn angle(text: &str) -> Result<f64, String> {
+pub(super) fn angle(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|v| v.abs() <= 3600.0);
     value.ok_or_else(|| format!("`{text}` is no angle; give degrees, such as 45 or -12.5"))
 }
