@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Simulates a batch of a million models on a hundred nodes from what single models were measured to cost. Needs numpy.
 
-usage: simulate.py REPORT.csv --models MODELS.csv [--jobs 1000000] [--nodes 100] [--cores 16] [...] [--csv FILE]
+usage: simulate.py REPORT.csv --models MODELS.csv [--stages REPORT.json] [--jobs 1000000] [--nodes 100] [--cores 16] [...] [--csv FILE]
 
 REPORT.csv is that of a measured batch: cpu_seconds, peak_bytes and bytes of every job that was done, and the tries that failed at no
-cost; MODELS.csv (as models.py writes it, or any table with name and bytes) gives the sizes of the models.
+cost; REPORT.json adds where a job's time goes; MODELS.csv (as models.py writes it, or any table with name and bytes) gives the sizes of the models.
 
 The model. Jobs are drawn from the measured ones with replacement, each with its own CPU time, memory, input and output bytes together.
 They fall into shards of equal chance, as the hash does it, or in equal pieces, as a manifest that was cut does it. A shard is a task that takes a
@@ -15,7 +15,7 @@ network (a model that is hashed and then sliced on the same node is read once). 
 flight (half a job a core in the mean) is done again, what was finished is not; its shard starts again on the next node that is free after --requeue
 seconds, with its hashing done anew; the node itself comes back after --repair.
 """
-import argparse, csv, heapq, math
+import argparse, csv, heapq, json, math
 import numpy as np
 
 def read(path):
@@ -31,6 +31,15 @@ def measured(report, models):
         if r['status'] == 'done': rows.append((float(r['cpu_seconds']), float(r['peak_bytes'] or 0), into, float(r['bytes'])))
         else: rows.append((0.0, 0.0, into, 0.0))
     return np.array(rows)
+
+def stages(path):
+    """Shares of the jobs' wall time by stage, as text."""
+    with open(path) as f: jobs = json.load(f)['jobs']
+    total = {}
+    for j in jobs:
+        for name, s in (j['outcome'] or {}).get('stages', []): total[name] = total.get(name, 0.0) + s
+    whole = sum(total.values()) or 1.0
+    return ', '.join(f'{name} {100 * s / whole:.0f} %' for name, s in sorted(total.items(), key=lambda x: -x[1]))
 
 def makespan(jobs, cores, memory):
     """Largest file first, one core a job, memory bounded: time to the last end. jobs: rows of seconds, memory, input bytes."""
@@ -81,7 +90,7 @@ def campaign(rng, pool, a, by_hash, shards):
 
 def main():
     ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    ap.add_argument('report'); ap.add_argument('--models', required=True); ap.add_argument('--jobs', type=int, default=1_000_000); ap.add_argument('--nodes', type=int, default=100)
+    ap.add_argument('report'); ap.add_argument('--models', required=True); ap.add_argument('--stages'); ap.add_argument('--jobs', type=int, default=1_000_000); ap.add_argument('--nodes', type=int, default=100)
     ap.add_argument('--cores', type=int, default=16); ap.add_argument('--memory', type=float, default=32, help='budget of a node [GB]')
     ap.add_argument('--overhead', type=float, default=0.0, help='CPU a job beside its own [s]'); ap.add_argument('--slowdown', type=float, default=1.0, help='of a core when all are busy')
     ap.add_argument('--hash-rate', type=float, default=500, help='of a thread [MB/s]'); ap.add_argument('--hash-threads', type=int, default=1, help='that hash at a time on a node')
@@ -96,6 +105,7 @@ def main():
     print(f'measured: {len(pool)} jobs, CPU mean {cpu.mean() * 1e3:.1f} ms, median {np.median(cpu) * 1e3:.1f}, 99 % {np.quantile(cpu, 0.99) * 1e3:.0f}, most {cpu.max() * 1e3:.0f}, '
           f'coefficient of variation {cv:.2f}; the dearest 1 % take {100 * np.sort(cpu)[::-1][:max(1, len(cpu) // 100)].sum() / cpu.sum():.0f} %')
     print(f'          model mean {pool[:, 2].mean() / 1e6:.3f} MB, output mean {pool[:, 3].mean() / 1e6:.3f} MB, memory of a worker at most {pool[:, 1].max() / 1e6:.0f} MB')
+    if a.stages: print('          stages: ' + stages(a.stages))
     print(f'all {a.jobs} jobs: {cpu.mean() * a.jobs / 3600:.1f} CPU hours, {pool[:, 2].mean() * a.jobs / 1e12:.2f} TB of models, {pool[:, 3].mean() * a.jobs / 1e12:.2f} TB of outputs')
     out = []
     for shards in map(int, a.shards.split(',')):
