@@ -1,10 +1,22 @@
 //! `microtome batch`.
 
 use super::exit::CliError;
+use super::interrupt;
+use super::mesh_args::MeshArgs;
 use super::options::{BackendArg, memory_size};
+use super::report;
+use super::setting_flags::AllFlags;
+use crate::batch::item::{self, Item, technology_of};
 use crate::batch::shard::Shard;
+use crate::batch::{self, BatchError, BatchOptions, Event, Input, Limits, Observer, Totals, names};
+use crate::job::{JobError, memory};
+use crate::settings::{PrinterTechnology, Settings, keys};
+use crate::slicer::{Request, Technology};
 use clap::{Args, ValueEnum};
+use std::num::NonZero;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How the prints are made, as typed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -84,15 +96,179 @@ pub struct BatchArgs {
     /// Print a line of JSON on standard output for each event
     #[arg(long)]
     pub json: bool,
+    /// Keep the models' coordinates instead of dropping them onto the bed and centring them there
+    #[arg(long)]
+    pub no_place: bool,
+    /// Turn each model about the vertical, counter-clockwise from above; resin only
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true, value_parser = super::mask::angle)]
+    pub rotate: f64,
+    /// Look for islands, suction cups and trapped resin; resin only
+    #[arg(long)]
+    pub check: bool,
+    /// Support what hangs inside this mesh, however steep; in the models' coordinates, may be repeated
+    #[arg(long, value_name = "FILE", help_heading = "Supports")]
+    pub support_enforcer: Vec<PathBuf>,
+    /// Support nothing inside this mesh; in the models' coordinates, may be repeated
+    #[arg(long, value_name = "FILE", help_heading = "Supports")]
+    pub support_blocker: Vec<PathBuf>,
+    /// Faulty meshes.
+    #[command(flatten)]
+    pub mesh: MeshArgs,
+    /// The printer and the settings.
+    #[command(flatten)]
+    pub settings: AllFlags,
 }
+
+/// Time that one job may take \[s\].
+const JOB_SECONDS: f64 = 3600.0;
 
 /// Runs a batch.
 ///
 /// # Errors
 /// [`CliError`]: the batch could not begin or had to stop, or not all jobs were done.
 pub fn run(args: &BatchArgs) -> Result<(), CliError> {
-    let _ = args;
-    Ok(())
+    let format = args.format.as_deref().map(names::extension_of_format).transpose();
+    let format = format.map_err(|e| BatchError::Settings(format!("--format: {e}")))?;
+    let base = args.request(format.as_deref())?;
+    let technology = printer_technology(base.technology);
+    let mut settings = Settings::of(technology);
+    let given = args.settings.apply(&mut settings)?;
+    args.settings.check_others(technology)?;
+    let input =
+        Input { inputs: &args.inputs, base: &base, folder: &args.output, extension: format.as_deref() };
+    let items = item::items(&input)?;
+    // What only lines of manifests use is complete with these.
+    if items.iter().any(|item| item.place.is_none()) {
+        match technology {
+            PrinterTechnology::Fff => settings.validate(),
+            PrinterTechnology::Sla => settings.validate_resin(),
+        }
+        .map_err(JobError::from)?;
+    }
+    if !args.quiet {
+        let stray = |key: &str| keys::find(key).is_some_and(|k| !k.technology.fits(technology));
+        let mixed = items.iter().any(|item| item.request.technology != base.technology);
+        let said = given.warnings.iter().filter(|w| !(mixed && stray(&w.key)));
+        report::warning_lines(&said.map(ToString::to_string).collect::<Vec<_>>());
+    }
+    let mut observer = Silent { stop: interrupt::watch() };
+    let totals = batch::run(&items, &args.options()?, &mut observer)?;
+    match totals.exit_code() {
+        0 => Ok(()),
+        code => Err(CliError::Unfinished(code, unfinished(&items, &totals, args))),
+    }
+}
+
+impl BatchArgs {
+    /// What holds for each job that a manifest does not say otherwise.
+    fn request(&self, format: Option<&str>) -> Result<Request, BatchError> {
+        let mesh = &self.mesh;
+        let orient = mesh.orient.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
+        let mut request = Request {
+            printer: self.settings.printer.clone(),
+            load: self.settings.load.clone(),
+            settings: self.settings.values(),
+            copies: self.copies,
+            orient,
+            match_tolerance: mesh.match_tolerance,
+            snap_grid: mesh.snap_grid,
+            no_place: self.no_place,
+            support_enforcers: self.support_enforcer.clone(),
+            support_blockers: self.support_blocker.clone(),
+            rotate: self.rotate,
+            check: self.check,
+            estimate: self.estimate_only,
+            date: super::source_date_epoch(),
+            ..Request::default()
+        };
+        request.technology = match self.technology {
+            Some(TechnologyArg::Filament) => Technology::Filament,
+            Some(TechnologyArg::Resin) => Technology::Resin,
+            None => technology_of(&request, format).unwrap_or_default(),
+        };
+        let fits = |format| names::is_gcode(format) == (request.technology == Technology::Filament);
+        match format.filter(|format| !fits(format)) {
+            Some(format) => {
+                let printers = match request.technology {
+                    Technology::Filament => "filament",
+                    Technology::Resin => "resin",
+                };
+                let problem =
+                    format!("--format {format}: {printers} printers have no such files; leave it out");
+                Err(BatchError::Settings(problem))
+            }
+            None => Ok(request),
+        }
+    }
+
+    fn options(&self) -> Result<BatchOptions, BatchError> {
+        let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
+        let memory = self.memory.unwrap_or_else(|| memory::of_machine() / 2);
+        Ok(BatchOptions {
+            folder: self.output.clone(),
+            resume: self.resume,
+            restart: self.restart,
+            retry_failed: self.retry_failed,
+            shard: self.shard.unwrap_or_default(),
+            threads: self.threads.map_or_else(cores, usize::from),
+            limits: Limits {
+                memory,
+                job_memory: self.job_memory.unwrap_or(memory),
+                job_seconds: self.job_time.unwrap_or(JOB_SECONDS),
+                retries: self.retries,
+            },
+            backend: self.backend.options(self.adapter.clone(), None),
+            device_workers: usize::from(self.device_workers),
+            pictures: !self.no_pictures,
+            estimate: self.estimate_only,
+            worker: std::env::current_exe().map_err(BatchError::Worker)?,
+        })
+    }
+}
+
+fn printer_technology(technology: Technology) -> PrinterTechnology {
+    match technology {
+        Technology::Filament => PrinterTechnology::Fff,
+        Technology::Resin => PrinterTechnology::Sla,
+    }
+}
+
+/// How many jobs are not done, and where to look.
+fn unfinished(items: &[Item], totals: &Totals, args: &BatchArgs) -> String {
+    let own = items.len().saturating_sub(totals.elsewhere);
+    let bad = totals.failed + totals.quarantined;
+    let of_shard = args.shard.filter(|s| s.count > 1);
+    let suffix = of_shard.map_or(String::new(), |s| format!("-{}-of-{}", s.index, s.count));
+    let at = |name: &str| args.output.join(name).display().to_string();
+    let see = at(&format!("report{suffix}.html"));
+    let see = if totals.quarantined > 0 {
+        format!("see {see} and {}", at(&format!("quarantine{suffix}.jsonl")))
+    } else {
+        format!("see {see}")
+    };
+    match totals.exit_code() {
+        9 => {
+            let why = totals.stopped.as_deref().unwrap_or("stopped");
+            let failed = if bad > 0 { format!(", {bad} failed") } else { String::new() };
+            let left = totals.left;
+            format!("{why}: {left} of {own} jobs are not done{failed}; --resume goes on; {see}")
+        }
+        _ if bad == own => format!("none of {own} jobs succeeded; {see}"),
+        _ => format!("{bad} of {own} jobs failed; {see}"),
+    }
+}
+
+/// Says nothing.
+struct Silent {
+    stop: Arc<AtomicBool>,
+}
+
+impl Observer for Silent {
+    fn event(&mut self, _: &Event<'_>) {}
+
+    fn stop(&mut self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
 }
 
 /// `I/N`.

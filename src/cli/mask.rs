@@ -101,6 +101,7 @@ pub fn run(args: &MaskArgs) -> Result<(), CliError> {
         check: checked.then_some(check),
         check_report: args.check_report.clone(),
         check_pictures: args.check_pictures.clone(),
+        picture: None,
     };
     let spinner = Spinner::new(args.run.quiet);
     let mut summary = resin::run(&args.models, &job, format, &output, &spinner)?;
@@ -138,21 +139,7 @@ fn output(args: &MaskArgs, settings: &Settings) -> Result<(Format, PathBuf), Job
         }
         .into());
     }
-    if Format::is_folder(&path) {
-        return Ok((Format::PngFolder, path));
-    }
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let extension = match name.rsplit_once('.') {
-        Some(_) if name.ends_with(".svg.zip") => Some("svg.zip"),
-        Some((_, extension)) => Some(extension),
-        // A device such as /dev/null.
-        None => None,
-    };
-    let extension = settings.output_extension(extension)?;
-    match Format::of_extension(extension) {
-        Some(format) => Ok((format, path)),
-        None => Err(JobError::NoFormat { path }),
-    }
+    Ok((resin::format_of(&path, settings)?, path))
 }
 
 /// The summary for people on stderr.
@@ -199,7 +186,7 @@ fn reach(text: &str) -> Result<f64, String> {
     super::mesh_args::length(text, 0.0, 10.0)
 }
 
-fn angle(text: &str) -> Result<f64, String> {
+pub(super) fn angle(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|v| v.abs() <= 3600.0);
     value.ok_or_else(|| format!("`{text}` is no angle; give degrees, such as 45 or -12.5"))
 }

@@ -12,6 +12,7 @@ mod target;
 
 pub use plate::{ModelSummary, PlateOptions};
 pub use summary::{LargestLayer, PanelSummary, ResinSummary};
+pub use target::format_of;
 
 use super::JobError;
 use super::backend::BackendOptions;
@@ -19,8 +20,9 @@ use super::mask_check::CheckReport;
 use super::memory;
 use super::open::OpenContours;
 use super::output::{OutputError, OutputFile};
-use super::progress::Progress;
+use super::progress::{Progress, go_on};
 use super::summary::Stopwatch;
+use super::threads::on_pool;
 use crate::contour::TraceOptions;
 use crate::lattice;
 use crate::mask::Panel;
@@ -62,6 +64,8 @@ pub struct ResinJob<'a> {
     pub check_report: Option<PathBuf>,
     /// Folder for pictures of the worst layers that the checks found.
     pub check_pictures: Option<PathBuf>,
+    /// File for a small picture of the middle layer, as PNG.
+    pub picture: Option<PathBuf>,
 }
 
 /// Cuts models into masks and writes them.
@@ -80,11 +84,13 @@ pub fn run(
     let mut warnings: Vec<String> = settings.validate_resin()?.iter().map(ToString::to_string).collect();
     let panel = machine::panel(settings);
     let name = paths.first().map_or_else(String::new, |p| p.display().to_string());
-    let plate =
-        plate::prepare(paths, &job.plate, &panel, settings.printer.max_print_height, progress, &mut watch)?;
+    let height = settings.printer.max_print_height;
+    go_on(progress)?;
+    let plate = on_pool(|| plate::prepare(paths, &job.plate, &panel, height, progress, &mut watch))?;
     warnings.extend_from_slice(&plate.warnings);
 
     progress.stage("slicing");
+    go_on(progress)?;
     watch.stage("preview");
     let layers = layers_of(&plate, job, &name)?;
     let shading = Shading {
@@ -131,6 +137,7 @@ pub fn run(
         let done = stream::stream(
             |sender| wanted.make(sender),
             |made: Arc<Made>| {
+                go_on(progress)?;
                 let number = layers.first + written;
                 let info = LayerInfo {
                     lit: made.lit,
@@ -155,6 +162,7 @@ pub fn run(
     let open_contours = OpenContours::new(&done.contours, &layers.list, plate.mesh.origin);
     warnings.extend(open_contours.warning(&name));
     watch.stage("finish");
+    go_on(progress)?;
     let totals = sums.totals(&print);
     let (largest_layer, lit_pixels) = (sums.largest, sums.lit);
     let check = match (sums.finish(), &job.check) {
@@ -162,12 +170,16 @@ pub fn run(
         _ => None,
     };
     if let (Some(check), Some(settings), Some(folder)) = (&check, &job.check, &job.check_pictures) {
-        pictures::draw(check, settings, &wanted, folder)?;
+        on_pool(|| pictures::draw(check, settings, &wanted, folder))?;
+    }
+    if let Some(path) = &job.picture {
+        on_pool(|| pictures::draw_middle(&wanted, path))?;
     }
     if let (Some(check), Some(path)) = (&check, &job.check_report) {
         write_report(path, check)?;
     }
     warnings.extend(check.iter().flat_map(CheckReport::warnings));
+    go_on(progress)?;
     let bytes = target.commit()?;
     Ok(ResinSummary {
         models: plate.models,
@@ -297,7 +309,7 @@ impl Sums {
         if let (Some(checker), Some(mask)) = (&mut self.checker, &made.mask) {
             self.batch.push(CheckLayer { mask: Arc::clone(mask), z: info.z, height: info.height });
             if self.batch.len() >= CHECKED_AT_ONCE {
-                checker.push(&self.batch);
+                on_pool(|| checker.push(&self.batch));
                 self.batch.clear();
             }
         }
@@ -315,7 +327,9 @@ impl Sums {
 
     fn finish(self) -> Option<Findings> {
         let mut checker = self.checker?;
-        checker.push(&self.batch);
-        Some(checker.finish())
+        Some(on_pool(|| {
+            checker.push(&self.batch);
+            checker.finish()
+        }))
     }
 }
