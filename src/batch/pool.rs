@@ -5,8 +5,6 @@
 
 mod child;
 pub mod memory;
-#[cfg(all(test, unix))]
-mod tests;
 
 pub use child::{News, Post, PostBox, Said};
 

@@ -206,3 +206,34 @@ fn read_complaints(errors: Option<impl Read>, last: &Sender<String>) {
     // Nobody may want to know.
     drop(last.send(kept));
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_understood() {
+        let of = |line: &str| format!("{:?}", understand(line));
+        assert!(of(r#"{"id":null,"ready":{"version":"1.2","pid":3}}"#).contains("Ready"));
+        assert!(of(r#"{"id":7,"done":{}}"#).starts_with("Done { ticket: 7"));
+        let failed = r#"{"id":7,"failed":{"kind":"model","message":"m","transient":false,"disk_full":false}}"#;
+        assert!(of(failed).starts_with("Failed { ticket: 7"));
+        assert!(of(r#"{"id":7,"refused":"why"}"#).contains("Defect"));
+        assert_eq!(of(r#"{"id":null,"refused":"no such request"}"#), "Nothing");
+        for line in ["", "hello", "{}", r#"{"id":"x","done":{}}"#] {
+            assert_eq!(of(line), "Nonsense", "{line}");
+        }
+    }
+
+    #[test]
+    fn of_complaints_the_last_is_kept() {
+        let last = |text: &str| {
+            let (sender, receiver) = channel();
+            read_complaints(Some(text.as_bytes()), &sender);
+            receiver.recv().unwrap_or_default()
+        };
+        assert_eq!(last(""), "");
+        assert_eq!(last("one\ntwo \n\n"), "two");
+        assert_eq!(last(&"x".repeat(9999)).len(), LONGEST_COMPLAINT);
+    }
+}

@@ -13,6 +13,12 @@ impl Random {
         let x = (x ^ x >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
         (x ^ x >> 31) % n
     }
+
+    /// Mostly small, up to `2^bits`.
+    fn skewed(&mut self, bits: u64) -> u64 {
+        let bits = self.below(bits);
+        self.below(1 << bits)
+    }
 }
 
 fn claim(seconds: f64, bytes: u64) -> Claim {
@@ -81,8 +87,8 @@ fn limits_hold_and_every_job_is_done_once() {
         let jobs: Vec<(Claim, Turn)> = (0..count)
             .map(|_| {
                 let turn = [Turn::Usual, Turn::Usual, Turn::Usual, Turn::Suspect, Turn::Alone];
-                let seconds = 0.001 * (1 + random.below(1 << random.below(14))) as f64;
-                (claim(seconds, random.below(1 << random.below(32))), turn[random.below(5) as usize])
+                let seconds = 0.001 * (1 + random.skewed(14)) as f64;
+                (claim(seconds, random.skewed(32)), turn[random.below(5) as usize])
             })
             .collect();
         let budget = 1 + random.below(4 * GB);
@@ -102,7 +108,7 @@ fn all_cores_finish_together() {
         let mut random = Random(seed);
         let threads = [2, 4, 16][random.below(3) as usize];
         let mut jobs: Vec<(Claim, Turn)> = (0..500)
-            .map(|_| (claim(0.005 * (1 + random.below(1 << random.below(10))) as f64, GB / 100), Turn::Usual))
+            .map(|_| (claim(0.005 * (1 + random.skewed(10)) as f64, GB / 100), Turn::Usual))
             .collect();
         // One that would take longer by itself than all others on the other cores.
         jobs.push((claim(300.0, GB), Turn::Usual));
