@@ -37,10 +37,7 @@ pub fn run(args: &ReportArgs) -> Result<(), CliError> {
         let text = people(&merged, &report::page(output, Shard::default()));
         drop(io::stderr().lock().write_all(text.as_bytes()));
     }
-    match merged.totals.exit_code() {
-        0 => Ok(()),
-        code => Err(CliError::Unfinished(code)),
-    }
+    super::batch::finished(&merged.totals, output, Shard::default())
 }
 
 /// The sums for people.

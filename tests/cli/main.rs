@@ -5,6 +5,7 @@ mod bad_input;
 mod batch_inputs;
 mod golden;
 mod contours;
+mod estimate;
 mod below;
 mod faults;
 mod inspect;
