@@ -152,7 +152,7 @@ fn the_page_is_whole_and_nothing_gets_out_of_its_place() {
         assert!(!page.contains(outside), "{outside}");
     }
     // The check sees what it is there for.
-    assert!(tags(&page.replace("&lt;script&gt;", "<script>")).is_ok_and(|t| t["script"] > 1));
+    assert_ne!(tags(&page.replace("&lt;script&gt;", "<script>")), Ok(found));
     assert!(tags(&page.replacen("</td>", "", 1)).is_err());
 }
 
@@ -324,6 +324,8 @@ fn a_shard_that_was_killed_is_told() {
     );
 
     std::fs::write(&path, &whole).unwrap();
+    let rows = [done("a")];
+    write(dir.path(), Shard::default(), &rows, &totals(&rows)).unwrap();
     assert_eq!(merge(&folders, dir.path()).unwrap().totals.exit_code(), 0);
     let error = merge(&[dir.path().join("no")], dir.path()).unwrap_err();
     assert_eq!(error.exit_code(), 3, "{error}");
