@@ -86,8 +86,7 @@ fn check(request: &Request) -> Result<MeshOptions, Failure> {
     if !(0..=LAST_DATE).contains(&request.date) {
         return wrong(format!("date: {} s is out of range; allowed: 0 to {LAST_DATE}", request.date));
     }
-    // Not so for NaN either.
-    if !(request.rotate.abs() <= 3600.0) {
+    if !(-3600.0..=3600.0).contains(&request.rotate) {
         return wrong(format!("rotate: {} is no angle; give degrees, such as 45 or -12.5", request.rotate));
     }
     let lengths =

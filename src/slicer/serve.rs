@@ -131,7 +131,7 @@ fn obey<W: Write>(Message { id, order }: Message, queue: &Queue, out: &Output<W>
         }
         Order::Ping(()) | Order::Quit(()) => return out.say(id, News::Ok(())),
     };
-    if let Err(task) = queue.put(Task::new(id, *request, follow)) {
+    if let Err(task) = queue.put(Task::new(id, request, follow)) {
         let why = format!("a request with the id {} is in hand already; choose another id", task.id);
         out.say(task.id, News::Refused(why));
     }
@@ -209,3 +209,6 @@ fn end_at_once() -> ! {
     let _ = rustix::process::kill_process(rustix::process::getpid(), rustix::process::Signal::KILL);
     std::process::exit(1)
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,6 +5,7 @@ mod bad_input;
 mod batch_inputs;
 mod golden;
 mod contours;
+mod estimate;
 mod below;
 mod faults;
 mod inspect;
@@ -14,6 +15,7 @@ mod printers;
 mod same_bytes;
 mod settings;
 mod supports;
+mod worker;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

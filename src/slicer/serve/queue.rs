@@ -12,14 +12,14 @@ const LONGEST: usize = 4096;
 #[derive(Debug)]
 pub struct Task {
     pub id: Value,
-    pub request: Request,
+    pub request: Box<Request>,
     /// Whether there is to be news of it.
     pub follow: bool,
     pub cancel: Cancel,
 }
 
 impl Task {
-    pub fn new(id: Value, request: Request, follow: bool) -> Self {
+    pub fn new(id: Value, request: Box<Request>, follow: bool) -> Self {
         Self { id, request, follow, cancel: Cancel::new() }
     }
 }
@@ -134,7 +134,7 @@ mod tests {
     use serde_json::json;
 
     fn task(id: usize) -> Task {
-        Task::new(json!(id), Request::new("m.stl"), false)
+        Task::new(json!(id), Box::new(Request::new("m.stl")), false)
     }
 
     #[test]
