@@ -1,9 +1,10 @@
 //! Output files that exist whole or not at all.
 //!
 //! The bytes go to a file without a name in the target's folder, which becomes the target by a link
-//! and a rename once everything is written. A run that is killed on the way leaves the old file, or
-//! none, and nothing beside it. Where the system has no nameless files a temporary one with a name
-//! takes its place, which a kill can leave behind.
+//! once everything is written, or by a link and a rename where there is one already. A run that is killed
+//! on the way leaves the old file, or none, and nothing beside it, save for the moment between link and
+//! rename. Where the system has no nameless files a temporary one with a name takes its place, which a
+//! kill can leave behind. [`sweep`] removes what was left.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
@@ -63,6 +64,40 @@ enum Sink {
 
 const BUFFER: usize = 1 << 18;
 
+/// What unfinished outputs end with.
+pub(super) const PART: &str = ".part";
+
+/// What old folders end with that are about to be removed.
+pub(super) const OLD: &str = ".old";
+
+/// What unfinished outputs of a target begin with; a word and [`PART`] or [`OLD`] follow.
+pub(super) fn prefix(target: &Path) -> String {
+    format!(".{}.", target.file_name().unwrap_or_default().to_string_lossy())
+}
+
+/// Removes what killed processes have left beside an output that they were making, files and folders. Not to
+/// be called while another process makes the same output. What cannot be removed stays.
+pub fn sweep(target: &Path) {
+    let target = std::fs::canonicalize(target).unwrap_or_else(|_| target.to_owned());
+    let prefix = prefix(&target);
+    let Ok(entries) = std::fs::read_dir(folder_of(&target)) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let word = name.to_str().and_then(|name| {
+            let rest = name.strip_prefix(prefix.as_str())?;
+            rest.strip_suffix(PART).or_else(|| rest.strip_suffix(OLD))
+        });
+        // Other outputs may have names that go on with a dot.
+        if !word.is_some_and(|word| !word.is_empty() && word.bytes().all(|b| b.is_ascii_alphanumeric())) {
+            continue;
+        }
+        drop(match entry.file_type() {
+            Ok(kind) if kind.is_dir() => std::fs::remove_dir_all(entry.path()),
+            _ => std::fs::remove_file(entry.path()),
+        });
+    }
+}
+
 impl OutputFile {
     /// Starts an output at `path`. The folder must exist; nothing is visible there before
     /// [`Self::commit`]. A symbolic link keeps pointing where it does; its target is replaced.
@@ -92,7 +127,7 @@ impl OutputFile {
         if let Ok(file) = nameless(&folder) {
             return Ok(Self { target, sink: Sink::Nameless(BufWriter::with_capacity(BUFFER, file)) });
         }
-        let file = tempfile::Builder::new().prefix(".microtome-").suffix(".part").tempfile_in(&folder)?;
+        let file = tempfile::Builder::new().prefix(&prefix(&target)).suffix(PART).tempfile_in(&folder)?;
         Ok(Self { target, sink: Sink::Named(BufWriter::with_capacity(BUFFER, file)) })
     }
 
@@ -160,22 +195,25 @@ fn nameless(folder: &Path) -> io::Result<File> {
     Ok(File::from(rustix::fs::open(folder, flags, Mode::from_raw_mode(0o666))?))
 }
 
-/// Gives a nameless file a name beside the target and renames it over the target. A link alone
-/// cannot replace an existing file.
+/// Gives a nameless file its name. A link alone cannot replace an existing file: then it gets a name beside
+/// the target, and is renamed over it.
 #[cfg(target_os = "linux")]
 fn link_over(file: &File, target: &Path) -> io::Result<()> {
     use rustix::fs::{AtFlags, CWD, linkat};
+    use rustix::io::Errno;
     use std::os::fd::AsRawFd;
     let source = format!("/proc/self/fd/{}", file.as_raw_fd());
-    let mut name = std::ffi::OsString::from(".");
-    name.push(target.file_name().unwrap_or_default());
-    name.push(format!(".{}.part", std::process::id()));
-    let beside = folder_of(target).join(name);
-    match linkat(CWD, source.as_str(), CWD, &beside, AtFlags::SYMLINK_FOLLOW) {
+    let link = |name: &Path| linkat(CWD, source.as_str(), CWD, name, AtFlags::SYMLINK_FOLLOW);
+    match link(target) {
+        Err(Errno::EXIST) => {}
+        other => return Ok(other?),
+    }
+    let beside = folder_of(target).join(format!("{}{}{PART}", prefix(target), std::process::id()));
+    match link(&beside) {
         // A leftover of a killed process that had our number.
-        Err(rustix::io::Errno::EXIST) => {
+        Err(Errno::EXIST) => {
             std::fs::remove_file(&beside)?;
-            linkat(CWD, source.as_str(), CWD, &beside, AtFlags::SYMLINK_FOLLOW)?;
+            link(&beside)?;
         }
         other => other?,
     }
@@ -240,6 +278,26 @@ mod tests {
         out.commit().unwrap();
         assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(std::fs::read(&real).unwrap(), b"new");
+    }
+
+    #[test]
+    fn leftovers_are_swept_and_nothing_else() {
+        let dir = tempfile::tempdir().unwrap();
+        let stay = ["a.gcode", ".a.gcode.b.12.part", ".a.gcode.part", ".a.gcode.12.txt", ".b.gcode.12.part"];
+        for name in stay.iter().chain(&[".a.gcode.12.part", ".a.gcode.x9Y.part"]) {
+            std::fs::write(dir.path().join(name), "x").unwrap();
+        }
+        for name in [".a.gcode.y.part", ".a.gcode.z.old"] {
+            std::fs::create_dir(dir.path().join(name)).unwrap();
+            std::fs::write(dir.path().join(name).join("0.png"), "x").unwrap();
+        }
+        sweep(&dir.path().join("a.gcode"));
+        let mut left = names(dir.path());
+        left.sort();
+        let mut stay = stay.map(str::to_owned);
+        stay.sort();
+        assert_eq!(left, stay);
+        sweep(Path::new("/no/such/folder/a.gcode"));
     }
 
     #[test]

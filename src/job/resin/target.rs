@@ -1,7 +1,7 @@
 //! Where masks are written: a file, or a folder of files, whole or not at all.
 
 use crate::job::JobError;
-use crate::job::output::{OutputError, OutputFile};
+use crate::job::output::{self, OutputError, OutputFile};
 use crate::resin::{Container, Format, LayerInfo, LayerSink, Print, Totals, stack};
 use crate::settings::Settings;
 use std::fs;
@@ -55,10 +55,9 @@ impl Target {
     pub(super) fn create(path: &Path, format: Format) -> Result<Self, OutputError> {
         let place = if format == Format::PngFolder {
             Self::refuse_other_folders(path)?;
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let made = tempfile::Builder::new()
-                .prefix(&format!(".{name}."))
-                .suffix(".part")
+                .prefix(&output::prefix(path))
+                .suffix(output::PART)
                 .tempdir_in(around(path));
             Place::Folder(made.map_err(|e| OutputError::new(path, e))?)
         } else {
@@ -141,7 +140,10 @@ fn replace(folder: TempDir, path: &Path) -> io::Result<u64> {
     if path.is_dir() {
         // The old layers go aside in one step and the new ones come in another: a kill between the two
         // leaves both, whole, beside each other.
-        let aside = tempfile::Builder::new().prefix(".").suffix(".old").tempdir_in(around(path))?;
+        let aside = tempfile::Builder::new()
+            .prefix(&output::prefix(path))
+            .suffix(output::OLD)
+            .tempdir_in(around(path))?;
         let old = aside.path().join("layers");
         fs::rename(path, &old)?;
         if let Err(error) = fs::rename(folder.path(), path) {
