@@ -256,12 +256,22 @@ pub fn estimate(path: &Path, job: &FilamentJob<'_>, progress: &dyn Progress) -> 
 /// # Errors
 /// A template is wrong.
 pub fn count(planned: Planned, job: &FilamentJob<'_>, progress: &dyn Progress) -> Result<Summary, JobError> {
+    Ok(count_keeping(planned, job, progress, None)?.0)
+}
+
+/// [`count`]; also gives the extrusions of one layer, counted from 0, for a picture.
+///
+/// # Errors
+/// As [`count`].
+pub fn count_keeping(
+    planned: Planned,
+    job: &FilamentJob<'_>,
+    progress: &dyn Progress,
+    keep: Option<usize>,
+) -> Result<(Summary, Option<LayerPlan>), JobError> {
     let nowhere = &mut std::io::sink();
-    match put(planned, job, nowhere, progress, Put { text: false, keep: None }) {
-        Ok((summary, _)) => Ok(summary),
-        // Nothing is written, so that no stream can fail; the model stands in for its name.
-        Err(e) => Err(e.at(Path::new(&job.stem))),
-    }
+    // Nothing is written, so that no stream can fail; the model stands in for its name.
+    put(planned, job, nowhere, progress, Put { text: false, keep }).map_err(|e| e.at(Path::new(&job.stem)))
 }
 
 /// Puts the layers in order and writes them, one after the other.

@@ -189,7 +189,7 @@ fn make(
     if let (Some(check), Some(settings), Some(folder)) = (&check, &job.check, pictures) {
         on_pool(|| pictures::draw(check, settings, &wanted, folder))?;
     }
-    if let Some(path) = job.picture.as_ref().filter(|_| output.is_some()) {
+    if let Some(path) = &job.picture {
         on_pool(|| pictures::draw_middle(&wanted, path))?;
     }
     let report = job.check_report.as_ref().filter(|_| output.is_some());
