@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod batch_inputs;
+mod batch_run;
 mod golden;
 mod contours;
 mod below;

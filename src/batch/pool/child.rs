@@ -216,7 +216,8 @@ mod tests {
         let of = |line: &str| format!("{:?}", understand(line));
         assert!(of(r#"{"id":null,"ready":{"version":"1.2","pid":3}}"#).contains("Ready"));
         assert!(of(r#"{"id":7,"done":{}}"#).starts_with("Done { ticket: 7"));
-        let failed = r#"{"id":7,"failed":{"kind":"model","message":"m","transient":false,"disk_full":false}}"#;
+        let failed =
+            r#"{"id":7,"failed":{"kind":"model","message":"m","transient":false,"disk_full":false}}"#;
         assert!(of(failed).starts_with("Failed { ticket: 7"));
         assert!(of(r#"{"id":7,"refused":"why"}"#).contains("Defect"));
         assert_eq!(of(r#"{"id":null,"refused":"no such request"}"#), "Nothing");

@@ -1,10 +1,10 @@
 //! The shop floor: which worker does what, and what becomes of it.
 
+use super::Message;
 use super::book::{Book, End};
 use super::intake::{self, Identity, Known};
 use super::verdict::{Verdict, deadly, failure_of, verdict};
 use super::watch::{Measure, measures};
-use super::Message;
 use crate::batch::event::{Event, Observer, Row, Status, Totals};
 use crate::batch::journal::Journal;
 use crate::batch::options::BatchOptions;
@@ -210,7 +210,8 @@ impl<'a> Floor<'a> {
     /// What a worker is asked for; makes the folders that it needs.
     fn request(&mut self, item: &Item, start: &Start) -> Result<Request, Failure> {
         let mut request = intake::request(item, self.options);
-        let picture = self.options.folder.join(STATE_FOLDER).join("pictures").join(format!("{}.png", item.name));
+        let picture =
+            self.options.folder.join(STATE_FOLDER).join("pictures").join(format!("{}.png", item.name));
         request.picture = self.options.pictures.then_some(picture);
         request.threads = Some(u16::try_from(start.threads).unwrap_or(u16::MAX));
         request.expect = self.jobs.get(&start.job).map(|job| job.identity.content.stat);
@@ -365,9 +366,11 @@ impl<'a> Floor<'a> {
             }
         }
         for worker in 0..pool.slots().len() {
-            let late = pool.slots().get(worker).and_then(|slot| slot.hand().front()).is_some_and(|task| {
-                task.since.elapsed().as_secs_f64() > task.claim.seconds + OVERDUE
-            });
+            let late = pool
+                .slots()
+                .get(worker)
+                .and_then(|slot| slot.hand().front())
+                .is_some_and(|task| task.since.elapsed().as_secs_f64() > task.claim.seconds + OVERDUE);
             if late {
                 pool.take_back(worker);
             }
