@@ -265,11 +265,14 @@ fn workers_that_cannot_work_end_the_batch() {
 
 #[test]
 fn models_that_cannot_be_read_fail_without_a_try() {
-    let mut batch = Batch::new(&["a", "b", "c"]);
+    let mut batch = Batch::new(&["a", "b", "c", "d"]);
     std::fs::remove_file(&batch.items[1].request.model).unwrap();
     batch.items[2].refused = Some(Failure::new(FailureKind::Settings, "line 3 is wrong".to_owned()));
+    // A name that no line of JSON can hold.
+    let odd: &std::ffi::OsStr = std::os::unix::ffi::OsStrExt::from_bytes(b"\xff.stl");
+    batch.items[3].request.model = odd.into();
     let (totals, rows) = batch.run();
-    assert_eq!((totals.done, totals.failed, totals.exit_code()), (1, 2, 7));
+    assert_eq!((totals.done, totals.failed, totals.exit_code()), (1, 3, 7));
     assert_eq!((rows[1].attempts, rows[2].attempts), (0, 0));
     assert_eq!(rows[2].failure.as_ref().unwrap().message, "line 3 is wrong");
 }
