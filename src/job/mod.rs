@@ -4,6 +4,7 @@ pub mod adhesion;
 mod assemble;
 pub mod backend;
 pub mod contours;
+pub mod copies;
 pub mod below;
 pub mod error;
 pub mod filament;

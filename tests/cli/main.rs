@@ -4,6 +4,7 @@
 mod bad_input;
 mod golden;
 mod contours;
+mod copies;
 mod estimate;
 mod below;
 mod faults;
