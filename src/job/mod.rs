@@ -23,5 +23,7 @@ mod support_picture;
 pub mod support_report;
 pub mod supports;
 pub mod toolpaths;
+#[cfg(feature = "gpu")]
+pub mod warm;
 
 pub use error::{FailureKind, JobError};
