@@ -104,6 +104,7 @@ pub fn run(args: &MaskArgs) -> Result<(), CliError> {
         check: checked.then_some(check),
         check_report: args.check_report.clone(),
         check_pictures: args.check_pictures.clone(),
+        picture: None,
     };
     let spinner = Spinner::new(args.run.quiet);
     let mut summary = match args.estimate_only {
@@ -144,21 +145,7 @@ fn output(args: &MaskArgs, settings: &Settings) -> Result<(Format, PathBuf), Job
         }
         .into());
     }
-    if Format::is_folder(&path) {
-        return Ok((Format::PngFolder, path));
-    }
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let extension = match name.rsplit_once('.') {
-        Some(_) if name.ends_with(".svg.zip") => Some("svg.zip"),
-        Some((_, extension)) => Some(extension),
-        // A device such as /dev/null.
-        None => None,
-    };
-    let extension = settings.output_extension(extension)?;
-    match Format::of_extension(extension) {
-        Some(format) => Ok((format, path)),
-        None => Err(JobError::NoFormat { path }),
-    }
+    Ok((resin::format_of(&path, settings)?, path))
 }
 
 /// The summary for people on stderr.

@@ -5,6 +5,7 @@ use crate::settings::{
     Assigned, Key, Kind, LoadReport, PrinterTechnology, Settings, SettingsError, Stage, ValueError, Warning,
     keys, load_file, printers,
 };
+use crate::slicer::profiles::assign;
 use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use std::path::PathBuf;
@@ -215,26 +216,11 @@ impl<const RESIN: bool> FlagsOf<RESIN> {
             let (key, value) = text
                 .split_once('=')
                 .ok_or_else(|| FlagError::NoValue { text: text.escape_debug().to_string() })?;
-            let key = key.trim();
-            let assigned = settings
-                .assign(key, value)
+            let warnings = assign(settings, key, value, "--set")
                 .map_err(|error| FlagError::Set { text: text.escape_debug().to_string(), error })?;
-            let stray = keys::find(key).filter(|_| assigned == Assigned::NotHonoured(None));
-            report.warnings.extend(warning(assigned));
-            report.warnings.extend(stray.map(|key| other_technology(key, value)));
+            report.warnings.extend(warnings);
         }
         Ok(report)
-    }
-}
-
-/// In a file a setting of the other technology is nothing to speak of; typed by hand it is.
-fn other_technology(key: &Key, value: &str) -> Warning {
-    let printers = if key.technology.fits(PrinterTechnology::Sla) { "resin" } else { "filament" };
-    Warning {
-        place: "--set".to_owned(),
-        key: key.name.to_owned(),
-        value: value.escape_debug().to_string(),
-        message: format!("a setting of {printers} printers, so it has no effect here"),
     }
 }
 

@@ -93,7 +93,9 @@ pub fn plan_with(
     let mut watch = Stopwatch::default();
     progress.stage("reading");
     watch.stage("load");
+    go_on(progress)?;
     let loaded = mesh::load(path)?;
+    go_on(progress)?;
     plan_loaded(loaded, &path.display().to_string(), Some(path), job, wish, progress, watch)
 }
 
@@ -157,6 +159,7 @@ fn plan_loaded(
     fits_on_raft(&mesh, &raft, settings, name)?;
 
     progress.stage("slicing");
+    go_on(progress)?;
     watch.stage("slice");
     // What concerns the first layer concerns the raft where there is one.
     let on_raft = (!raft.layers.is_empty()).then(|| raft::part_settings(settings));
@@ -176,6 +179,7 @@ fn plan_loaded(
     let contours = traced.layers.iter().map(|l| l.rings.len() as u64).sum();
 
     progress.stage("walls");
+    go_on(progress)?;
     watch.stage("walls");
     let wall_plans: Vec<WallPlan> =
         (0..).zip(&layers).map(|(i, z)| WallPlan::new(own, lattice::mm(z.height), i == 0)).collect();
@@ -188,6 +192,7 @@ fn plan_loaded(
     }
 
     progress.stage("infill");
+    go_on(progress)?;
     watch.stage("infill");
     let fill_plan = if settings.slicing.adaptive_layer_height {
         infill::FillPlan::for_heights(own, layers.iter().map(|l| l.height))
@@ -198,6 +203,7 @@ fn plan_loaded(
     layers.iter_mut().for_each(|l| l.print_z += raft.part_z);
 
     progress.stage("supports");
+    go_on(progress)?;
     watch.stage("supports");
     let bridges = (&filled.bridges[..], &fill_plan.area_frame());
     let make =

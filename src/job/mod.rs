@@ -22,6 +22,7 @@ pub mod summary;
 mod support_picture;
 pub mod support_report;
 pub mod supports;
+pub mod threads;
 pub mod toolpaths;
 #[cfg(feature = "gpu")]
 pub mod warm;

@@ -15,6 +15,7 @@ mod printers;
 mod same_bytes;
 mod settings;
 mod supports;
+mod worker;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -116,6 +116,7 @@ fn masks(bench: &Bench) -> Result<(), Failed> {
             check: None,
             check_report: None,
             check_pictures: None,
+            picture: None,
         };
         let models = [model];
         let summary = resin::run(&models, &job, Format::Ctb, &output, &Silent)?;

@@ -12,6 +12,7 @@ mod target;
 
 pub use plate::{ModelSummary, PlateOptions};
 pub use summary::{LargestLayer, PanelSummary, ResinSummary};
+pub use target::format_of;
 
 use super::JobError;
 use super::backend::BackendOptions;
@@ -19,8 +20,9 @@ use super::mask_check::CheckReport;
 use super::memory;
 use super::open::OpenContours;
 use super::output::{OutputError, OutputFile};
-use super::progress::Progress;
+use super::progress::{Progress, go_on};
 use super::summary::Stopwatch;
+use super::threads::on_pool;
 use crate::contour::TraceOptions;
 use crate::lattice;
 use crate::mask::Panel;
@@ -62,6 +64,8 @@ pub struct ResinJob<'a> {
     pub check_report: Option<PathBuf>,
     /// Folder for pictures of the worst layers that the checks found.
     pub check_pictures: Option<PathBuf>,
+    /// File for a small picture of the middle layer, as PNG.
+    pub picture: Option<PathBuf>,
 }
 
 /// Cuts models into masks and writes them.
@@ -91,11 +95,13 @@ fn make(
     let mut warnings: Vec<String> = settings.validate_resin()?.iter().map(ToString::to_string).collect();
     let panel = machine::panel(settings);
     let name = paths.first().map_or_else(String::new, |p| p.display().to_string());
-    let plate =
-        plate::prepare(paths, &job.plate, &panel, settings.printer.max_print_height, progress, &mut watch)?;
+    let height = settings.printer.max_print_height;
+    go_on(progress)?;
+    let plate = on_pool(|| plate::prepare(paths, &job.plate, &panel, height, progress, &mut watch))?;
     warnings.extend_from_slice(&plate.warnings);
 
     progress.stage("slicing");
+    go_on(progress)?;
     watch.stage("preview");
     let layers = layers_of(&plate, job, &name)?;
     let shading = Shading {
@@ -143,6 +149,7 @@ fn make(
         let done = stream::stream(
             |sender| wanted.make(sender),
             |made: Arc<Made>| {
+                go_on(progress)?;
                 let number = layers.first + written;
                 let info = LayerInfo {
                     lit: made.lit,
@@ -171,6 +178,7 @@ fn make(
     let open_contours = OpenContours::new(&done.contours, &layers.list, plate.mesh.origin);
     warnings.extend(open_contours.warning(&name));
     watch.stage("finish");
+    go_on(progress)?;
     let totals = sums.totals(&print);
     let (largest_layer, lit_pixels) = (sums.largest, sums.lit);
     let check = match (sums.finish(), &job.check) {
@@ -179,13 +187,17 @@ fn make(
     };
     let pictures = job.check_pictures.as_ref().filter(|_| output.is_some());
     if let (Some(check), Some(settings), Some(folder)) = (&check, &job.check, pictures) {
-        pictures::draw(check, settings, &wanted, folder)?;
+        on_pool(|| pictures::draw(check, settings, &wanted, folder))?;
+    }
+    if let Some(path) = &job.picture {
+        on_pool(|| pictures::draw_middle(&wanted, path))?;
     }
     let report = job.check_report.as_ref().filter(|_| output.is_some());
     if let (Some(check), Some(path)) = (&check, report) {
         write_report(path, check)?;
     }
     warnings.extend(check.iter().flat_map(CheckReport::warnings));
+    go_on(progress)?;
     let bytes = target.map_or(Ok(0), Target::commit)?;
     Ok(ResinSummary {
         models: plate.models,
@@ -219,7 +231,7 @@ fn make(
 
 /// What [`run`] would say of a print in `format`, without writing anything: same layers, same volume, same bound
 /// of the time. `bytes` is 0. Masks are measured but not compressed. Files for the checks' findings are not
-/// written either.
+/// written either, only a picture that was asked for.
 ///
 /// # Errors
 /// As [`run`], but for what only shows when a file is written: [`JobError::Unfit`], [`JobError::Output`].
@@ -333,7 +345,7 @@ impl Sums {
         if let (Some(checker), Some(mask)) = (&mut self.checker, &made.mask) {
             self.batch.push(CheckLayer { mask: Arc::clone(mask), z: info.z, height: info.height });
             if self.batch.len() >= CHECKED_AT_ONCE {
-                checker.push(&self.batch);
+                on_pool(|| checker.push(&self.batch));
                 self.batch.clear();
             }
         }
@@ -351,7 +363,9 @@ impl Sums {
 
     fn finish(self) -> Option<Findings> {
         let mut checker = self.checker?;
-        checker.push(&self.batch);
-        Some(checker.finish())
+        Some(on_pool(|| {
+            checker.push(&self.batch);
+            checker.finish()
+        }))
     }
 }

@@ -7,6 +7,11 @@ use crate::mesh::{Adjacency, Mesh};
 use crate::slice::gpu::{GpuMesh, GpuSlicer, START_UP, repays_startup, saving};
 use crate::span::gpu::GpuSpans;
 use std::sync::{Arc, PoisonError};
+use std::time::Duration;
+
+/// How long a thread of a pool waits for a device before it opens one more: where jobs share a pool, the one
+/// that has the device may wait for this very thread.
+const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
 /// Where a job is done.
 pub(in crate::job) enum Taken {
@@ -150,7 +155,16 @@ impl Pool {
             if !demanded {
                 return if state.places.iter().any(|p| p.busy) { Found::Busy } else { Found::GivenUp };
             }
-            state = self.freed.wait(state).unwrap_or_else(PoisonError::into_inner);
+            if rayon::current_thread_index().is_none() {
+                state = self.freed.wait(state).unwrap_or_else(PoisonError::into_inner);
+                continue;
+            }
+            let waited = self.freed.wait_timeout(state, LONGEST_WAIT);
+            let (left, waited) = waited.unwrap_or_else(PoisonError::into_inner);
+            if waited.timed_out() {
+                return Found::Cold;
+            }
+            state = left;
         }
     }
 }
