@@ -231,7 +231,7 @@ fn make(
 
 /// What [`run`] would say of a print in `format`, without writing anything: same layers, same volume, same bound
 /// of the time. `bytes` is 0. Masks are measured but not compressed. Files for the checks' findings are not
-/// written either.
+/// written either, only a picture that was asked for.
 ///
 /// # Errors
 /// As [`run`], but for what only shows when a file is written: [`JobError::Unfit`], [`JobError::Output`].
