@@ -428,7 +428,11 @@ mod tests {
             ("a.stl", ""),
             ("j.jsonl", "{\"model\": \"a.stl\", \"technology\": \"filament\"}\n{\"model\": \"a.stl\"}"),
         ]);
-        let items = dir.items(&["j.jsonl"], &resin(), Some("zip")).unwrap();
+        let both = [("perimeters", "2"), ("exposure_time", "3"), ("layer_height", "0.1")];
+        let settings = BTreeMap::from(both.map(|(k, v)| (k.to_owned(), v.to_owned())));
+        let items = dir.items(&["j.jsonl"], &Request { settings, ..resin() }, Some("zip")).unwrap();
+        let keys = |i: usize| items[i].request.settings.keys().cloned().collect::<Vec<_>>().join(" ");
+        assert_eq!([keys(0), keys(1)], ["layer_height perimeters", "exposure_time layer_height"]);
         assert_eq!((items[0].request.printer.as_deref(), items[0].name.as_str()), (None, "a.gcode"));
         assert_eq!((items[1].request.printer.is_some(), items[1].name.as_str()), (true, "a.zip"));
     }

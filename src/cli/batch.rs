@@ -1,22 +1,22 @@
 //! `microtome batch`.
 
+use super::batch_view::{View, ViewOptions};
 use super::exit::CliError;
 use super::interrupt;
 use super::mesh_args::MeshArgs;
 use super::options::{BackendArg, memory_size};
 use super::report;
 use super::setting_flags::AllFlags;
-use crate::batch::item::{self, Item, technology_of};
+use crate::batch::item::{self, technology_of};
+use crate::batch::report::count;
 use crate::batch::shard::Shard;
-use crate::batch::{self, BatchError, BatchOptions, Event, Input, Limits, Observer, Totals, names};
+use crate::batch::{self, BatchError, BatchOptions, Input, Limits, Totals, names};
 use crate::job::{JobError, memory};
 use crate::settings::{PrinterTechnology, Settings, keys};
 use crate::slicer::{Request, Technology};
 use clap::{Args, ValueEnum};
 use std::num::NonZero;
-use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::path::{Path, PathBuf};
 
 /// How the prints are made, as typed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -151,12 +151,10 @@ pub fn run(args: &BatchArgs) -> Result<(), CliError> {
         let said = given.warnings.iter().filter(|w| !(mixed && stray(&w.key)));
         report::warning_lines(&said.map(ToString::to_string).collect::<Vec<_>>());
     }
-    let mut observer = Silent { stop: interrupt::watch() };
-    let totals = batch::run(&items, &args.options()?, &mut observer)?;
-    match totals.exit_code() {
-        0 => Ok(()),
-        code => Err(CliError::Unfinished(code, unfinished(&items, &totals, args))),
-    }
+    let mut view = View::new(args.view(), interrupt::watch())?;
+    let totals = batch::run(&items, &args.options()?, &mut view)?;
+    view.finish(&totals)?;
+    finished(&totals, &args.output, args.shard.unwrap_or_default())
 }
 
 impl BatchArgs {
@@ -201,6 +199,16 @@ impl BatchArgs {
         }
     }
 
+    fn view(&self) -> ViewOptions {
+        ViewOptions {
+            quiet: self.quiet,
+            json: self.json,
+            folder: self.output.clone(),
+            shard: self.shard.unwrap_or_default(),
+            prometheus: self.prometheus.clone(),
+        }
+    }
+
     fn options(&self) -> Result<BatchOptions, BatchError> {
         let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
         let memory = self.memory.unwrap_or_else(|| memory::of_machine() / 2);
@@ -233,42 +241,29 @@ fn printer_technology(technology: Technology) -> PrinterTechnology {
     }
 }
 
-/// How many jobs are not done, and where to look.
-fn unfinished(items: &[Item], totals: &Totals, args: &BatchArgs) -> String {
-    let own = items.len().saturating_sub(totals.elsewhere);
+/// How many jobs are not done, and where to look, where that is so.
+///
+/// # Errors
+/// [`CliError::Unfinished`].
+pub(super) fn finished(totals: &Totals, folder: &Path, shard: Shard) -> Result<(), CliError> {
     let bad = totals.failed + totals.quarantined;
-    let of_shard = args.shard.filter(|s| s.count > 1);
-    let suffix = of_shard.map_or(String::new(), |s| format!("-{}-of-{}", s.index, s.count));
-    let at = |name: &str| args.output.join(name).display().to_string();
-    let see = at(&format!("report{suffix}.html"));
-    let see = if totals.quarantined > 0 {
-        format!("see {see} and {}", at(&format!("quarantine{suffix}.jsonl")))
-    } else {
-        format!("see {see}")
-    };
-    match totals.exit_code() {
+    let all = totals.done + totals.skipped + bad + totals.left;
+    let see = format!("see {}", batch::report::page(folder, shard).display());
+    let message = match totals.exit_code() {
+        0 => return Ok(()),
         9 => {
             let why = totals.stopped.as_deref().unwrap_or("stopped");
             let failed = if bad > 0 { format!(", {bad} failed") } else { String::new() };
-            let left = totals.left;
-            format!("{why}: {left} of {own} jobs are not done{failed}; --resume goes on; {see}")
+            format!("{why}: {} of {all} jobs are not done{failed}; --resume goes on; {see}", totals.left)
         }
-        _ if bad == own => format!("none of {own} jobs succeeded; {see}"),
-        _ => format!("{bad} of {own} jobs failed; {see}"),
-    }
-}
-
-/// Says nothing.
-struct Silent {
-    stop: Arc<AtomicBool>,
-}
-
-impl Observer for Silent {
-    fn event(&mut self, _: &Event<'_>) {}
-
-    fn stop(&mut self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-    }
+        code => {
+            let again = batch::report::quarantine(folder, shard);
+            let what = if code == 8 { "none of" } else { &format!("{bad} of") };
+            let verb = if code == 8 { "succeeded" } else { "failed" };
+            format!("{what} {} {verb}; {see} and {}", count(all, "job", "jobs"), again.display())
+        }
+    };
+    Err(CliError::Unfinished(totals.exit_code(), message))
 }
 
 /// `I/N`.

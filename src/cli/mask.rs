@@ -28,6 +28,9 @@ pub struct MaskArgs {
     /// Where the masks go: a file of one of the formats by its extension, or a folder of PNG pictures [default: the first model's name with the extension that the printer reads]
     #[arg(long, short, value_name = "FILE|DIR/")]
     pub output: Option<PathBuf>,
+    /// Only say what would be printed: resin, layers, and a lower bound of the time; nothing is written
+    #[arg(long, conflicts_with_all = ["output", "check_report", "check_pictures"])]
+    pub estimate_only: bool,
     /// The layers to write, counted from 0, the last one excluded; the output holds only these [default: all]
     #[arg(long, value_name = "A..B", value_parser = layer_range)]
     pub layers: Option<Range<u32>>,
@@ -104,7 +107,10 @@ pub fn run(args: &MaskArgs) -> Result<(), CliError> {
         picture: None,
     };
     let spinner = Spinner::new(args.run.quiet);
-    let mut summary = resin::run(&args.models, &job, format, &output, &spinner)?;
+    let mut summary = match args.estimate_only {
+        true => resin::estimate(&args.models, &job, format, &spinner)?,
+        false => resin::run(&args.models, &job, format, &output, &spinner)?,
+    };
     drop(spinner);
 
     summary.warnings.splice(0..0, given.warnings.iter().map(ToString::to_string));
@@ -149,10 +155,15 @@ fn people(s: &ResinSummary) {
     let seconds: f64 = s.stages.iter().map(|t| t.seconds).sum();
     let weight = s.weight_g.map_or(String::new(), |g| format!(", {g:.2} g"));
     let cost = s.cost.map_or(String::new(), |c| format!(", {c:.2} money"));
+    // An estimate has no output.
+    let first = s.models.first().map_or("", |m| m.model.as_str());
+    let (name, done) = match s.output.as_str() {
+        "" => (first, "estimated".to_owned()),
+        output => (output, format!("{} bytes", s.bytes)),
+    };
     let text = format!(
-        "{}: {} layers of {} x {} pixels to z = {:.3} mm, {} triangles\n\
+        "{name}: {} layers of {} x {} pixels to z = {:.3} mm, {} triangles\n\
          resin {:.2} ml{weight}{cost}, at least {}; largest layer {} with {:.1} mm2\n",
-        s.output,
         s.layers,
         s.panel.width,
         s.panel.height,
@@ -167,7 +178,7 @@ fn people(s: &ResinSummary) {
     if let Some(check) = &s.check {
         drop(writeln!(err, "{}", check.line()));
     }
-    drop(writeln!(err, "{} bytes by {}{adapter} in {seconds:.3} s", s.bytes, s.backend.kind));
+    drop(writeln!(err, "{done} by {}{adapter} in {seconds:.3} s", s.backend.kind));
 }
 
 /// `A..B`, `A..` or `..B`.

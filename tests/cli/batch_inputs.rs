@@ -136,3 +136,174 @@ fn flags_that_exclude_each_other() {
     let done = bench.run(["batch", "a.stl"]);
     assert_eq!(done.status.code(), Some(2), "an output folder is needed: {}", stderr(&done));
 }
+
+/// Names of the outputs, sorted; folders as `x/y`.
+fn outputs(bench: &Bench) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut open = vec![bench.path("out")];
+    while let Some(folder) = open.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.strip_prefix(bench.path("out")).unwrap().to_str().unwrap().to_owned();
+            if path.is_dir() && name != ".microtome" {
+                open.push(path);
+            } else if !name.starts_with("report") && name != ".microtome" {
+                found.push(name);
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// A batch that ends with this code.
+fn done(bench: &Bench, args: &[&str], code: i32) -> String {
+    let done = batch(bench, args);
+    let text = stderr(&done);
+    assert_eq!(done.status.code(), Some(code), "{args:?}: {text}");
+    text
+}
+
+#[test]
+fn outputs_are_those_of_slice_and_mask() {
+    let bench = bench();
+    bench.write("fine.ini", "layer_height = 0.1\nfirst_layer_height = 0.2\n");
+    let manifest = "model,profile,settings,output,copies,technology,printer\n\
+                    a.stl,,,,,,\n\
+                    a.stl,fine.ini,fill_density=30%;skirts=2,x/fine,,,\n\
+                    in/b.stl,,layer_height=0.05,,2,resin,prusa-sl1\n";
+    bench.write("jobs.csv", manifest);
+    done(&bench, &["in", "in/*.stl", "jobs.csv", "--perimeters=2", "--exposure-time", "4"], 0);
+    assert_eq!(outputs(&bench), ["a.gcode", "b.gcode", "b.sl1", "x/fine.gcode"]);
+    let same = |name: &str, args: &[&str]| {
+        let single = bench.run(args.iter().chain(&["-o", "single"]));
+        assert!(single.status.success(), "{}", stderr(&single));
+        let [ours, its] =
+            [format!("out/{name}"), "single".to_owned()].map(|n| std::fs::read(bench.path(&n)).unwrap());
+        assert!(ours == its, "{name}: other bytes than those of {args:?}");
+    };
+    same("a.gcode", &["slice", "a.stl", "--perimeters=2"]);
+    same("b.gcode", &["slice", "in/b.stl", "--perimeters=2"]);
+    let fine = ["slice", "a.stl", "--perimeters=2", "--load", "fine.ini", "--fill-density=30%", "--skirts=2"];
+    same("x/fine.gcode", &fine);
+    let printer = ["--printer", "prusa-sl1", "--exposure-time=4", "--layer-height=0.05", "-o", "b.sl1"];
+    let single = bench.run(["mask", "in/b.stl", "in/b.stl"].iter().chain(&printer));
+    assert!(single.status.success(), "{}", stderr(&single));
+    assert!(std::fs::read(bench.path("b.sl1")).unwrap() == std::fs::read(bench.path("out/b.sl1")).unwrap());
+}
+
+#[test]
+fn a_wrong_job_fails_alone_and_its_manifest_does_it_again() {
+    let bench = bench();
+    bench.write("broken.stl", "solid x\n");
+    bench.write("jobs.jsonl", "{\"model\": \"a.stl\"}\n{\"model\": \"late.stl\"}\n{\"model\": \"a.stl\", \"settings\": {\"layer_hight\": 1}}\n");
+    let text = done(&bench, &["in", "broken.stl", "jobs.jsonl", "--skirts=0"], 7);
+    let error = text.lines().find(|l| l.starts_with("error:")).unwrap();
+    assert!(error.starts_with("error: 3 of 5 jobs failed; see out"), "{error}");
+    assert!(error.contains("report.html and out") && error.ends_with("quarantine.jsonl"), "{error}");
+    for word in ["broken.stl: contains no triangles", "late.stl: no such file", "did you mean layer_height?"]
+    {
+        assert!(text.contains(word), "{word:?} is not in {text}");
+    }
+    assert_eq!(outputs(&bench), ["a.gcode", "b.gcode", "quarantine.jsonl"]);
+    // Mended, they are done under the same names, with the same flags.
+    std::fs::copy(bench.path("a.stl"), bench.path("late.stl")).unwrap();
+    std::fs::copy(bench.path("a.stl"), bench.path("broken.stl")).unwrap();
+    let text = done(&bench, &["out/quarantine.jsonl", "--resume", "--retry-failed"], 7);
+    assert!(text.contains("1 of 3 jobs failed"), "{text}");
+    assert_eq!(outputs(&bench), ["a.gcode", "b.gcode", "broken.gcode", "late.gcode", "quarantine.jsonl"]);
+    let single = bench.slice(&bench.path("late.stl"), &["--skirts=0"]);
+    assert_eq!(std::fs::read(bench.path("out/late.gcode")).unwrap(), single);
+}
+
+#[test]
+fn nothing_done_is_another_code() {
+    let bench = bench();
+    bench.write("broken.stl", "solid x\n");
+    let text = done(&bench, &["broken.stl"], 8);
+    assert!(text.contains("error: none of 1 job succeeded; see out"), "{text}");
+}
+
+#[test]
+fn warnings_of_flags_are_given_once() {
+    let bench = bench();
+    let text = done(&bench, &["in", "a.stl", "--exposure-time=3"], 0);
+    let warnings: Vec<&str> = text.lines().filter(|l| l.contains("exposure_time")).collect();
+    assert_eq!(
+        warnings,
+        [
+            "warning: --exposure-time: exposure_time = 3: a setting of resin printers, so it has no effect here"
+        ]
+    );
+}
+
+#[test]
+fn a_manifest_may_come_from_a_pipe() {
+    use std::io::Write;
+    use std::process::{Command, Stdio};
+    let bench = bench();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_microtome"))
+        .args(["batch", "-o", "out", "-", "--quiet"])
+        .current_dir(bench.dir.path())
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let lines =
+        b"{\"model\": \"a.stl\", \"output\": \"one\"}\n{\"model\": \"in/b.stl\", \"output\": \"two.g\"}\n";
+    child.stdin.take().unwrap().write_all(lines).unwrap();
+    assert!(child.wait().unwrap().success());
+    assert_eq!(outputs(&bench), ["one.gcode", "two.g"]);
+}
+
+#[test]
+fn shards_share_the_jobs_and_their_names() {
+    let bench = bench();
+    std::fs::create_dir(bench.path("more")).unwrap();
+    for edge in 1..8 {
+        bench.stl(&format!("more/{edge}.stl"), &shapes::tetrahedron(f64::from(5 + edge)));
+        bench.stl(&format!("in/{edge}.stl"), &shapes::tetrahedron(f64::from(15 + edge)));
+    }
+    done(&bench, &["in", "more", "--shard", "1/3"], 0);
+    let first = outputs(&bench);
+    done(&bench, &["in", "more", "--shard", "2/3"], 0);
+    done(&bench, &["in", "more", "--shard", "3/3"], 0);
+    let all = outputs(&bench);
+    let mut expected: Vec<String> =
+        (1..8).flat_map(|n| [format!("{n}-2.gcode"), format!("{n}.gcode")]).collect();
+    expected.push("b.gcode".to_owned());
+    assert_eq!(all, expected);
+    assert!(first.len() < all.len());
+    // Alone they give the same.
+    let whole = bench.run(["batch", "-o", "whole", "in", "more"]);
+    assert!(whole.status.success(), "{}", stderr(&whole));
+    for name in all {
+        let [a, b] = ["out", "whole"].map(|f| std::fs::read(bench.path(f).join(&name)).unwrap());
+        assert!(a == b, "{name}");
+    }
+}
+
+#[test]
+fn folders_of_pictures_are_outputs_too() {
+    let bench = bench();
+    let args = [
+        "in",
+        "--printer",
+        "prusa-sl1",
+        "--format",
+        "folder",
+        "--layer-height=1",
+        "--set",
+        "initial_layer_height=0.5",
+    ];
+    let text = stderr(&batch(&bench, &args));
+    assert!(text.contains("layer_height = 1: thicker than light"), "{text}");
+    let args = ["in", "--printer", "prusa-sl1", "--format", "folder", "--layer-height=0.5"];
+    done(&bench, &args, 0);
+    assert!(
+        outputs(&bench).iter().any(|n| n.starts_with("b/") && n.ends_with(".png")),
+        "{:?}",
+        outputs(&bench)
+    );
+    let text = done(&bench, &[&args[..], &["--resume"]].concat(), 0);
+    assert!(text.contains("1 skipped"), "{text}");
+}

@@ -3,8 +3,10 @@
 
 mod bad_input;
 mod batch_inputs;
+mod batch_report;
 mod golden;
 mod contours;
+mod estimate;
 mod below;
 mod faults;
 mod inspect;

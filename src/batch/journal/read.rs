@@ -20,6 +20,8 @@ pub(super) struct Log {
     pub length: u64,
     /// Whether a job was ever begun.
     pub begun: bool,
+    /// Whether its last run has come to its end in order.
+    pub closed: bool,
     /// The last word about each output, with the run that said it.
     rows: BTreeMap<String, (u64, Row)>,
     /// Names of rows after the last checkpoint.
@@ -94,6 +96,7 @@ impl Log {
             Line::Head(Head { run, .. }) => {
                 self.end_run();
                 self.run = run.max(self.run + 1);
+                self.closed = false;
                 return;
             }
             Line::Record(record) => *record,
@@ -113,7 +116,10 @@ impl Log {
                 self.rows.insert(job.0, (self.run, row));
             }
             Record::Checkpoint {} => self.unsynced.clear(),
-            Record::Closed {} => self.hand.clear(),
+            Record::Closed {} => {
+                self.hand.clear();
+                self.closed = true;
+            }
         }
     }
 

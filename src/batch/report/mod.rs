@@ -53,6 +53,11 @@ pub fn page(folder: &Path, shard: Shard) -> PathBuf {
     folder.join(format!("report{}.html", suffix(shard)))
 }
 
+/// The manifest of what failed, as [`write`] writes it.
+pub fn quarantine(folder: &Path, shard: Shard) -> PathBuf {
+    folder.join(format!("quarantine{}.jsonl", suffix(shard)))
+}
+
 /// Writes `report.json`, `report.csv`, `report.html` and, where something failed, `quarantine.jsonl` (a
 /// manifest with those jobs) into a folder; those of one shard among several are `report-I-of-N.*`. Each is
 /// whole or absent.
