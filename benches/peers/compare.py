@@ -151,4 +151,4 @@ def main():
                       f'{r.get("cpu_ratio", float("nan")):8.2f}{r.get("wall_ratio", float("nan")):8.2f}  {r["rc"]}')
     if a.json: print(json.dumps(report))
 
-main()
+if __name__ == '__main__': main()

@@ -5,6 +5,7 @@
 
 mod error;
 pub mod event;
+pub mod inputs;
 pub mod item;
 pub mod journal;
 pub mod key;
@@ -12,10 +13,12 @@ pub mod manifest;
 pub mod names;
 pub mod options;
 pub mod pool;
+pub mod prometheus;
 pub mod report;
 mod run;
 pub mod schedule;
 pub mod shard;
+pub mod tally;
 
 pub use error::BatchError;
 pub use event::{Event, Observer, Totals};

@@ -1,10 +1,22 @@
 //! `microtome batch`.
 
+use super::batch_view::{View, ViewOptions};
 use super::exit::CliError;
+use super::interrupt;
+use super::mesh_args::MeshArgs;
 use super::options::{BackendArg, memory_size};
+use super::report;
+use super::setting_flags::AllFlags;
+use crate::batch::item::{self, technology_of};
+use crate::batch::report::count;
 use crate::batch::shard::Shard;
+use crate::batch::{self, BatchError, BatchOptions, Input, Limits, Totals, names};
+use crate::job::{JobError, memory};
+use crate::settings::{PrinterTechnology, Settings, keys};
+use crate::slicer::{Request, Technology};
 use clap::{Args, ValueEnum};
-use std::path::PathBuf;
+use std::num::NonZero;
+use std::path::{Path, PathBuf};
 
 /// How the prints are made, as typed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -84,15 +96,174 @@ pub struct BatchArgs {
     /// Print a line of JSON on standard output for each event
     #[arg(long)]
     pub json: bool,
+    /// Keep the models' coordinates instead of dropping them onto the bed and centring them there
+    #[arg(long)]
+    pub no_place: bool,
+    /// Turn each model about the vertical, counter-clockwise from above; resin only
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true, value_parser = super::mask::angle)]
+    pub rotate: f64,
+    /// Look for islands, suction cups and trapped resin; resin only
+    #[arg(long)]
+    pub check: bool,
+    /// Support what hangs inside this mesh, however steep; in the models' coordinates, may be repeated
+    #[arg(long, value_name = "FILE", help_heading = "Supports")]
+    pub support_enforcer: Vec<PathBuf>,
+    /// Support nothing inside this mesh; in the models' coordinates, may be repeated
+    #[arg(long, value_name = "FILE", help_heading = "Supports")]
+    pub support_blocker: Vec<PathBuf>,
+    /// Faulty meshes.
+    #[command(flatten)]
+    pub mesh: MeshArgs,
+    /// The printer and the settings.
+    #[command(flatten)]
+    pub settings: AllFlags,
 }
+
+/// Time that one job may take \[s\].
+const JOB_SECONDS: f64 = 3600.0;
 
 /// Runs a batch.
 ///
 /// # Errors
 /// [`CliError`]: the batch could not begin or had to stop, or not all jobs were done.
 pub fn run(args: &BatchArgs) -> Result<(), CliError> {
-    let _ = args;
-    Ok(())
+    let format = args.format.as_deref().map(names::extension_of_format).transpose();
+    let format = format.map_err(|e| BatchError::Settings(format!("--format: {e}")))?;
+    let base = args.request(format.as_deref())?;
+    let technology = printer_technology(base.technology);
+    let mut settings = Settings::of(technology);
+    let given = args.settings.apply(&mut settings)?;
+    args.settings.check_others(technology)?;
+    let input =
+        Input { inputs: &args.inputs, base: &base, folder: &args.output, extension: format.as_deref() };
+    let items = item::items(&input)?;
+    // What only lines of manifests use is complete with these.
+    if items.iter().any(|item| item.place.is_none()) {
+        match technology {
+            PrinterTechnology::Fff => settings.validate(),
+            PrinterTechnology::Sla => settings.validate_resin(),
+        }
+        .map_err(JobError::from)?;
+    }
+    if !args.quiet {
+        let stray = |key: &str| keys::find(key).is_some_and(|k| !k.technology.fits(technology));
+        let mixed = items.iter().any(|item| item.request.technology != base.technology);
+        let said = given.warnings.iter().filter(|w| !(mixed && stray(&w.key)));
+        report::warning_lines(&said.map(ToString::to_string).collect::<Vec<_>>());
+    }
+    let mut view = View::new(args.view(), interrupt::watch())?;
+    let totals = batch::run(&items, &args.options()?, &mut view)?;
+    view.finish(&totals)?;
+    finished(&totals, &args.output, args.shard.unwrap_or_default())
+}
+
+impl BatchArgs {
+    /// What holds for each job that a manifest does not say otherwise.
+    fn request(&self, format: Option<&str>) -> Result<Request, BatchError> {
+        let mesh = &self.mesh;
+        let orient = mesh.orient.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
+        let mut request = Request {
+            printer: self.settings.printer.clone(),
+            load: self.settings.load.clone(),
+            settings: self.settings.values(),
+            copies: self.copies,
+            orient,
+            match_tolerance: mesh.match_tolerance,
+            snap_grid: mesh.snap_grid,
+            no_place: self.no_place,
+            support_enforcers: self.support_enforcer.clone(),
+            support_blockers: self.support_blocker.clone(),
+            rotate: self.rotate,
+            check: self.check,
+            estimate: self.estimate_only,
+            date: super::source_date_epoch(),
+            ..Request::default()
+        };
+        request.technology = match self.technology {
+            Some(TechnologyArg::Filament) => Technology::Filament,
+            Some(TechnologyArg::Resin) => Technology::Resin,
+            None => technology_of(&request, format).unwrap_or_default(),
+        };
+        let fits = |format| names::is_gcode(format) == (request.technology == Technology::Filament);
+        match format.filter(|format| !fits(format)) {
+            Some(format) => {
+                let printers = match request.technology {
+                    Technology::Filament => "filament",
+                    Technology::Resin => "resin",
+                };
+                let problem =
+                    format!("--format {format}: {printers} printers have no such files; leave it out");
+                Err(BatchError::Settings(problem))
+            }
+            None => Ok(request),
+        }
+    }
+
+    fn view(&self) -> ViewOptions {
+        ViewOptions {
+            quiet: self.quiet,
+            json: self.json,
+            folder: self.output.clone(),
+            shard: self.shard.unwrap_or_default(),
+            prometheus: self.prometheus.clone(),
+        }
+    }
+
+    fn options(&self) -> Result<BatchOptions, BatchError> {
+        let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
+        let memory = self.memory.unwrap_or_else(|| memory::of_machine() / 2);
+        Ok(BatchOptions {
+            folder: self.output.clone(),
+            resume: self.resume,
+            restart: self.restart,
+            retry_failed: self.retry_failed,
+            shard: self.shard.unwrap_or_default(),
+            threads: self.threads.map_or_else(cores, usize::from),
+            limits: Limits {
+                memory,
+                job_memory: self.job_memory.unwrap_or(memory),
+                job_seconds: self.job_time.unwrap_or(JOB_SECONDS),
+                retries: self.retries,
+            },
+            backend: self.backend.options(self.adapter.clone(), None),
+            device_workers: usize::from(self.device_workers),
+            pictures: !self.no_pictures,
+            estimate: self.estimate_only,
+            worker: std::env::current_exe().map_err(BatchError::Worker)?,
+        })
+    }
+}
+
+fn printer_technology(technology: Technology) -> PrinterTechnology {
+    match technology {
+        Technology::Filament => PrinterTechnology::Fff,
+        Technology::Resin => PrinterTechnology::Sla,
+    }
+}
+
+/// How many jobs are not done, and where to look, where that is so.
+///
+/// # Errors
+/// [`CliError::Unfinished`].
+pub(super) fn finished(totals: &Totals, folder: &Path, shard: Shard) -> Result<(), CliError> {
+    let bad = totals.failed + totals.quarantined;
+    let all = totals.done + totals.skipped + bad + totals.left;
+    let see = format!("see {}", batch::report::page(folder, shard).display());
+    let message = match totals.exit_code() {
+        0 => return Ok(()),
+        9 => {
+            let why = totals.stopped.as_deref().unwrap_or("stopped");
+            let failed = if bad > 0 { format!(", {bad} failed") } else { String::new() };
+            format!("{why}: {} of {all} jobs are not done{failed}; --resume goes on; {see}", totals.left)
+        }
+        code => {
+            let again = batch::report::quarantine(folder, shard);
+            let what = if code == 8 { "none of" } else { &format!("{bad} of") };
+            let verb = if code == 8 { "succeeded" } else { "failed" };
+            format!("{what} {} {verb}; {see} and {}", count(all, "job", "jobs"), again.display())
+        }
+    };
+    Err(CliError::Unfinished(totals.exit_code(), message))
 }
 
 /// `I/N`.

@@ -82,9 +82,9 @@ pub enum CliError {
     /// A batch could not be begun or had to stop.
     #[error(transparent)]
     Batch(#[from] BatchError),
-    /// Some jobs of a batch failed, or all: 7 or 8. All has been said.
-    #[error("not all jobs were done")]
-    Unfinished(u8),
+    /// Not all jobs of a batch are done: 7, 8 or 9, and how many, in one line.
+    #[error("{1}")]
+    Unfinished(u8, String),
     /// Standard output could not be written.
     #[error("cannot write to standard output: {0}")]
     Stdout(#[from] std::io::Error),
@@ -105,7 +105,7 @@ impl CliError {
             Self::Job(JobError::Output(e)) if e.is_broken_pipe() => 0,
             Self::Job(e) | Self::Bench(BenchError::Job(e)) => e.kind().exit_code(),
             Self::Batch(e) => e.exit_code(),
-            Self::Unfinished(code) => *code,
+            Self::Unfinished(code, _) => *code,
         })
     }
 }

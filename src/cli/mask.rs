@@ -28,6 +28,9 @@ pub struct MaskArgs {
     /// Where the masks go: a file of one of the formats by its extension, or a folder of PNG pictures [default: the first model's name with the extension that the printer reads]
     #[arg(long, short, value_name = "FILE|DIR/")]
     pub output: Option<PathBuf>,
+    /// Only say what would be printed: resin, layers, and a lower bound of the time; nothing is written
+    #[arg(long, conflicts_with_all = ["output", "check_report", "check_pictures"])]
+    pub estimate_only: bool,
     /// The layers to write, counted from 0, the last one excluded; the output holds only these [default: all]
     #[arg(long, value_name = "A..B", value_parser = layer_range)]
     pub layers: Option<Range<u32>>,
@@ -101,9 +104,13 @@ pub fn run(args: &MaskArgs) -> Result<(), CliError> {
         check: checked.then_some(check),
         check_report: args.check_report.clone(),
         check_pictures: args.check_pictures.clone(),
+        picture: None,
     };
     let spinner = Spinner::new(args.run.quiet);
-    let mut summary = resin::run(&args.models, &job, format, &output, &spinner)?;
+    let mut summary = match args.estimate_only {
+        true => resin::estimate(&args.models, &job, format, &spinner)?,
+        false => resin::run(&args.models, &job, format, &output, &spinner)?,
+    };
     drop(spinner);
 
     summary.warnings.splice(0..0, given.warnings.iter().map(ToString::to_string));
@@ -138,21 +145,7 @@ fn output(args: &MaskArgs, settings: &Settings) -> Result<(Format, PathBuf), Job
         }
         .into());
     }
-    if Format::is_folder(&path) {
-        return Ok((Format::PngFolder, path));
-    }
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let extension = match name.rsplit_once('.') {
-        Some(_) if name.ends_with(".svg.zip") => Some("svg.zip"),
-        Some((_, extension)) => Some(extension),
-        // A device such as /dev/null.
-        None => None,
-    };
-    let extension = settings.output_extension(extension)?;
-    match Format::of_extension(extension) {
-        Some(format) => Ok((format, path)),
-        None => Err(JobError::NoFormat { path }),
-    }
+    Ok((resin::format_of(&path, settings)?, path))
 }
 
 /// The summary for people on stderr.
@@ -162,10 +155,15 @@ fn people(s: &ResinSummary) {
     let seconds: f64 = s.stages.iter().map(|t| t.seconds).sum();
     let weight = s.weight_g.map_or(String::new(), |g| format!(", {g:.2} g"));
     let cost = s.cost.map_or(String::new(), |c| format!(", {c:.2} money"));
+    // An estimate has no output.
+    let first = s.models.first().map_or("", |m| m.model.as_str());
+    let (name, done) = match s.output.as_str() {
+        "" => (first, "estimated".to_owned()),
+        output => (output, format!("{} bytes", s.bytes)),
+    };
     let text = format!(
-        "{}: {} layers of {} x {} pixels to z = {:.3} mm, {} triangles\n\
+        "{name}: {} layers of {} x {} pixels to z = {:.3} mm, {} triangles\n\
          resin {:.2} ml{weight}{cost}, at least {}; largest layer {} with {:.1} mm2\n",
-        s.output,
         s.layers,
         s.panel.width,
         s.panel.height,
@@ -180,7 +178,7 @@ fn people(s: &ResinSummary) {
     if let Some(check) = &s.check {
         drop(writeln!(err, "{}", check.line()));
     }
-    drop(writeln!(err, "{} bytes by {}{adapter} in {seconds:.3} s", s.bytes, s.backend.kind));
+    drop(writeln!(err, "{done} by {}{adapter} in {seconds:.3} s", s.backend.kind));
 }
 
 /// `A..B`, `A..` or `..B`.
@@ -199,7 +197,7 @@ fn reach(text: &str) -> Result<f64, String> {
     super::mesh_args::length(text, 0.0, 10.0)
 }
 
-fn angle(text: &str) -> Result<f64, String> {
+pub(super) fn angle(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|v| v.abs() <= 3600.0);
     value.ok_or_else(|| format!("`{text}` is no angle; give degrees, such as 45 or -12.5"))
 }

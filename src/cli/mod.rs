@@ -1,6 +1,7 @@
 //! The command line.
 
 pub mod batch;
+pub mod batch_view;
 pub mod bench;
 pub mod contours;
 pub mod below;
@@ -8,6 +9,7 @@ pub mod demo;
 pub mod devices;
 pub mod exit;
 pub mod inspect;
+mod interrupt;
 pub mod mask;
 pub mod mesh_args;
 pub mod options;

@@ -14,6 +14,18 @@ pub enum BackendArg {
     Gpu,
 }
 
+impl BackendArg {
+    /// The backend as meant.
+    pub fn options(self, adapter: Option<String>, memory: Option<u64>) -> BackendOptions {
+        let backend = match self {
+            Self::Auto => Backend::Auto,
+            Self::Cpu => Backend::Cpu,
+            Self::Gpu => Backend::Gpu,
+        };
+        BackendOptions::new(backend, adapter, memory)
+    }
+}
+
 /// How to run, as typed.
 #[derive(Clone, Debug, Args)]
 pub struct RunArgs {
@@ -40,12 +52,7 @@ pub struct RunArgs {
 impl RunArgs {
     /// The backend as meant.
     pub fn backend(&self) -> BackendOptions {
-        let backend = match self.backend {
-            BackendArg::Auto => Backend::Auto,
-            BackendArg::Cpu => Backend::Cpu,
-            BackendArg::Gpu => Backend::Gpu,
-        };
-        BackendOptions::new(backend, self.adapter.clone(), self.memory)
+        self.backend.options(self.adapter.clone(), self.memory)
     }
 
     /// Sets the number of worker threads of the process; to be called once, before any work.

@@ -65,11 +65,15 @@ pub fn people(s: &Summary) {
     let mass = s.filament.g.map_or(String::new(), |g| format!(", {g:.2} g"));
     let adapter = s.backend.adapter.as_deref().map_or(String::new(), |a| format!(" {a}"));
     let seconds: f64 = s.stages.iter().map(|t| t.seconds).sum();
+    // An estimate has no output.
+    let (name, done) = match s.output.as_str() {
+        "" => (s.model.as_str(), "estimated".to_owned()),
+        output => (output, format!("{} bytes", s.bytes)),
+    };
     let text = format!(
-        "{}: {} layers to z = {:.3} mm, {} triangles, {} segments\n\
+        "{name}: {} layers to z = {:.3} mm, {} triangles, {} segments\n\
          filament {:.1} mm ({:.2} cm3{mass}), at least {}\n\
-         {} bytes by {}{adapter} in {:.3} s\n",
-        s.output,
+         {done} by {}{adapter} in {:.3} s\n",
         s.layers,
         s.print_z_mm,
         s.triangles,
@@ -77,7 +81,6 @@ pub fn people(s: &Summary) {
         s.filament.mm,
         s.filament.cm3,
         duration(s.time_lower_bound_s),
-        s.bytes,
         s.backend.kind,
         seconds,
     );

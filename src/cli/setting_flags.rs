@@ -2,11 +2,13 @@
 
 use crate::settings::printers::PrinterError;
 use crate::settings::{
-    Assigned, Key, Kind, LoadReport, PrinterTechnology, Settings, SettingsError, Stage, ValueError, Warning,
-    keys, load_file, printers,
+    Key, Kind, LoadReport, PrinterTechnology, Settings, SettingsError, Stage, ValueError, Warning, keys,
+    load_file, printers,
 };
+use crate::slicer::profiles::assign;
 use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, ArgMatches, Command};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
@@ -52,25 +54,33 @@ pub struct FlagReport {
     pub warnings: Vec<Warning>,
 }
 
-/// The settings of a technology as typed, for `#[command(flatten)]` in a derived parser.
+/// The settings of a technology, or of all, as typed, for `#[command(flatten)]` in a derived parser.
 #[derive(Clone, Debug, Default)]
-pub struct FlagsOf<const RESIN: bool> {
+pub struct FlagsOf<const KIND: u8> {
     /// The printer's name or file; of resin printers only.
     pub printer: Option<String>,
-    load: Vec<PathBuf>,
+    /// Files of settings.
+    pub load: Vec<PathBuf>,
     flags: Vec<(&'static Key, String)>,
     set: Vec<String>,
 }
 
+const FILAMENT: u8 = 0;
+const RESIN: u8 = 1;
+const ALL: u8 = 2;
+
 /// The settings of a filament printer as typed.
-pub type SettingFlags = FlagsOf<false>;
+pub type SettingFlags = FlagsOf<FILAMENT>;
 
 /// The settings of a resin printer as typed, `--printer` included.
-pub type ResinFlags = FlagsOf<true>;
+pub type ResinFlags = FlagsOf<RESIN>;
 
-/// `--load`, `--set` and a long flag for each key of a technology, grouped by stage; for resin also
-/// `--printer`.
-fn command_flags(technology: PrinterTechnology) -> Vec<Arg> {
+/// The settings of either kind of printer as typed, `--printer` included.
+pub type AllFlags = FlagsOf<ALL>;
+
+/// `--load`, `--set` and a long flag for each key of some technologies, grouped by stage; where resin is among
+/// them also `--printer`.
+fn command_flags(technologies: &'static [PrinterTechnology]) -> Vec<Arg> {
     let printer = Arg::new("printer")
         .long("printer")
         .value_name("NAME|FILE.toml")
@@ -90,16 +100,27 @@ fn command_flags(technology: PrinterTechnology) -> Vec<Arg> {
         .action(ArgAction::Append)
         .help("Set any setting, after --load and the flags below; may be repeated")
         .help_heading("Settings");
-    let printer = (technology == PrinterTechnology::Sla).then_some(printer);
-    let keys = Stage::ALL.into_iter().flat_map(|stage| keys::of_stage(technology, stage));
-    printer.into_iter().chain([load, set]).chain(keys.map(|key| flag(key, technology))).collect()
+    let printer = technologies.contains(&PrinterTechnology::Sla).then_some(printer);
+    let keys =
+        Stage::ALL.into_iter().flat_map(|stage| keys_of(technologies).filter(move |k| k.stage == stage));
+    printer.into_iter().chain([load, set]).chain(keys.map(|key| flag(key, technologies))).collect()
+}
+
+/// The keys of some technologies, each once.
+fn keys_of(technologies: &[PrinterTechnology]) -> impl Iterator<Item = &'static Key> {
+    let all = [PrinterTechnology::Fff, PrinterTechnology::Sla].into_iter();
+    let own = all.enumerate().filter(|(_, t)| technologies.contains(t));
+    own.flat_map(move |(i, technology)| {
+        let before = i > 0 && technologies.contains(&PrinterTechnology::Fff);
+        keys::of(technology).filter(move |k| !(before && k.technology.fits(PrinterTechnology::Fff)))
+    })
 }
 
 /// `layer_height` as a flag is `--layer-height`; with underscores it works too.
-fn flag(key: &'static Key, technology: PrinterTechnology) -> Arg {
+fn flag(key: &'static Key, technologies: &[PrinterTechnology]) -> Arg {
     let dashed = dashed(key);
     let arg = Arg::new(key.name)
-        .help(help(key, technology))
+        .help(help(key, technologies))
         .help_heading(key.stage.heading())
         .value_name(value_name(&key.kind))
         .action(ArgAction::Set)
@@ -138,22 +159,28 @@ fn value_name(kind: &Kind) -> &'static str {
     }
 }
 
-fn help(key: &Key, technology: PrinterTechnology) -> String {
+fn help(key: &Key, technologies: &[PrinterTechnology]) -> String {
     let unit = match key.kind {
         Kind::Choice(names, _) => names.join(", "),
         // The default shows the sign.
         Kind::Percent(..) => String::new(),
         _ => key.unit.to_owned(),
     };
-    let default = key.default_text(technology);
-    let default = if default.is_empty() { default } else { format!("default {default}") };
+    let own = technologies.iter().filter(|t| key.technology.fits(**t));
+    let mut defaults: Vec<String> = own.map(|t| key.default_text(*t)).collect();
+    defaults.dedup();
+    let default = match defaults.as_slice() {
+        [of_filament, of_resin] => format!("default {of_filament}, for resin {of_resin}"),
+        [default] if !default.is_empty() => format!("default {default}"),
+        _ => String::new(),
+    };
     let facts: Vec<String> = [unit, default].into_iter().filter(|f| !f.is_empty()).collect();
     if facts.is_empty() { key.help.to_owned() } else { format!("{} ({})", key.help, facts.join("; ")) }
 }
 
-impl<const RESIN: bool> clap::Args for FlagsOf<RESIN> {
+impl<const KIND: u8> clap::Args for FlagsOf<KIND> {
     fn augment_args(command: Command) -> Command {
-        command.args(command_flags(Self::TECHNOLOGY))
+        command.args(command_flags(Self::TECHNOLOGIES))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -161,7 +188,7 @@ impl<const RESIN: bool> clap::Args for FlagsOf<RESIN> {
     }
 }
 
-impl<const RESIN: bool> clap::FromArgMatches for FlagsOf<RESIN> {
+impl<const KIND: u8> clap::FromArgMatches for FlagsOf<KIND> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         Ok(Self::typed(matches))
     }
@@ -172,18 +199,52 @@ impl<const RESIN: bool> clap::FromArgMatches for FlagsOf<RESIN> {
     }
 }
 
-impl<const RESIN: bool> FlagsOf<RESIN> {
-    const TECHNOLOGY: PrinterTechnology = if RESIN { PrinterTechnology::Sla } else { PrinterTechnology::Fff };
+impl<const KIND: u8> FlagsOf<KIND> {
+    const TECHNOLOGIES: &[PrinterTechnology] = match KIND {
+        FILAMENT => &[PrinterTechnology::Fff],
+        RESIN => &[PrinterTechnology::Sla],
+        _ => &[PrinterTechnology::Fff, PrinterTechnology::Sla],
+    };
 
     fn typed(matches: &ArgMatches) -> Self {
         let flags =
-            keys::of(Self::TECHNOLOGY).filter_map(|k| Some((k, matches.get_one::<String>(k.name)?.clone())));
+            keys_of(Self::TECHNOLOGIES).filter_map(|k| Some((k, matches.get_one::<String>(k.name)?.clone())));
+        let has_printer = Self::TECHNOLOGIES.contains(&PrinterTechnology::Sla);
         Self {
-            printer: if RESIN { matches.get_one::<String>("printer").cloned() } else { None },
+            printer: if has_printer { matches.get_one::<String>("printer").cloned() } else { None },
             load: matches.get_many::<PathBuf>("load").into_iter().flatten().cloned().collect(),
             flags: flags.collect(),
             set: matches.get_many::<String>("set").into_iter().flatten().cloned().collect(),
         }
+    }
+
+    /// The values of flags and `--set` by key, as in the settings of a request.
+    pub fn values(&self) -> BTreeMap<String, String> {
+        let flags = self.flags.iter().map(|(key, value)| (key.name.to_owned(), value.clone()));
+        let set = self.set.iter().filter_map(|text| text.split_once('='));
+        flags.chain(set.map(|(key, value)| (key.trim().to_owned(), value.to_owned()))).collect()
+    }
+
+    /// Looks at the values of keys that a technology does not have, by the rules of the other.
+    ///
+    /// # Errors
+    /// [`FlagError`] for the first value that is refused.
+    pub fn check_others(&self, technology: PrinterTechnology) -> Result<(), FlagError> {
+        let is_other = |key: &Key| !key.technology.fits(technology);
+        let others = Self {
+            printer: None,
+            load: Vec::new(),
+            flags: self.flags.iter().filter(|(key, _)| is_other(key)).cloned().collect(),
+            set: self
+                .set
+                .iter()
+                .filter(|text| {
+                    text.split_once('=').is_some_and(|(k, _)| keys::find(k.trim()).is_some_and(is_other))
+                })
+                .cloned()
+                .collect(),
+        };
+        others.apply(&mut Settings::of(technology.other())).map(drop)
     }
 
     /// Applies the printer's preset, then files, then flags, then `--set`; `settings` are those of the
@@ -206,41 +267,20 @@ impl<const RESIN: bool> FlagsOf<RESIN> {
             report.files.push((path.clone(), loaded));
         }
         for (key, value) in &self.flags {
-            let assigned = settings
-                .assign(key.name, value)
-                .map_err(|error| FlagError::Flag { flag: dashed(key), error })?;
-            report.warnings.extend(warning(assigned));
+            let flag = dashed(key);
+            let warnings = assign(settings, key.name, value, &format!("--{flag}"))
+                .map_err(|error| FlagError::Flag { flag, error })?;
+            report.warnings.extend(warnings);
         }
         for text in &self.set {
             let (key, value) = text
                 .split_once('=')
                 .ok_or_else(|| FlagError::NoValue { text: text.escape_debug().to_string() })?;
-            let key = key.trim();
-            let assigned = settings
-                .assign(key, value)
+            let warnings = assign(settings, key, value, "--set")
                 .map_err(|error| FlagError::Set { text: text.escape_debug().to_string(), error })?;
-            let stray = keys::find(key).filter(|_| assigned == Assigned::NotHonoured(None));
-            report.warnings.extend(warning(assigned));
-            report.warnings.extend(stray.map(|key| other_technology(key, value)));
+            report.warnings.extend(warnings);
         }
         Ok(report)
-    }
-}
-
-/// In a file a setting of the other technology is nothing to speak of; typed by hand it is.
-fn other_technology(key: &Key, value: &str) -> Warning {
-    let printers = if key.technology.fits(PrinterTechnology::Sla) { "resin" } else { "filament" };
-    Warning {
-        place: "--set".to_owned(),
-        key: key.name.to_owned(),
-        value: value.escape_debug().to_string(),
-        message: format!("a setting of {printers} printers, so it has no effect here"),
-    }
-}
-
-fn warning(assigned: Assigned) -> Option<Warning> {
-    match assigned {
-        Assigned::Applied(warning) | Assigned::NotHonoured(warning) => warning,
     }
 }
 
@@ -332,6 +372,42 @@ mod tests {
             report.warnings[0].to_string(),
             "--set: exposure_time = 3: a setting of resin printers, so it has no effect here"
         );
+    }
+
+    #[derive(Parser)]
+    struct AllLine {
+        #[command(flatten)]
+        settings: AllFlags,
+    }
+
+    #[test]
+    fn all_flags_are_those_of_both() {
+        use clap::CommandFactory;
+        AllLine::command().debug_assert();
+        let help = AllLine::command().render_long_help().to_string();
+        for key in keys::KEYS.iter().chain(crate::settings::RESIN_KEYS) {
+            let count = help.matches(&format!("--{} ", dashed(key))).count()
+                + help.matches(&format!("--{}[", dashed(key))).count();
+            assert_eq!(count, 1, "{}", key.name);
+        }
+        assert!(help.contains("(mm; default 0.3, for resin 0.05)") && help.contains("--printer "));
+        let line = ["batch", "--layer-height", "0.1", "--set", " layer_height =0.2", "--exposure-time=3"];
+        let flags = AllLine::try_parse_from(line).unwrap().settings;
+        let values: Vec<_> = flags.values().into_iter().collect();
+        let own = |k: &str, v: &str| (k.to_owned(), v.to_owned());
+        assert_eq!(values, [own("exposure_time", "3"), own("layer_height", "0.2")]);
+        let mut settings = Settings::default();
+        let report = flags.apply(&mut settings).unwrap();
+        assert_eq!(settings.slicing.layer_height, 0.2);
+        assert_eq!(
+            report.warnings[0].to_string(),
+            "--exposure-time: exposure_time = 3: a setting of resin printers, so it has no effect here"
+        );
+        assert!(flags.check_others(PrinterTechnology::Fff).is_ok());
+        let wrong = AllLine::try_parse_from(["batch", "--exposure-time=long"]).unwrap().settings;
+        assert!(wrong.apply(&mut Settings::default()).is_ok());
+        let error = wrong.check_others(PrinterTechnology::Fff).unwrap_err().to_string();
+        assert!(error.starts_with("--exposure-time: exposure_time = \"long\" is not a number"), "{error}");
     }
 
     #[test]

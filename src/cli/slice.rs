@@ -27,6 +27,9 @@ pub struct SliceArgs {
     /// Where the G-code goes; `-` is standard output [default: the model's name with .gcode]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
+    /// Only say what would be printed: filament as that of the G-code, layers, and a lower bound of the time; nothing is written
+    #[arg(long, conflicts_with_all = ["output", "picture"])]
+    pub estimate_only: bool,
     /// List the settings of loaded files that have no effect here
     #[arg(long)]
     pub list_ignored: bool,
@@ -79,7 +82,11 @@ pub fn run(args: &SliceArgs) -> Result<(), CliError> {
         draw(path, args.picture_layer, &planned, &job)?;
     }
     let record = std::mem::take(&mut planned.supports);
-    let mut summary = if output == Path::new("-") {
+    let mut summary = if args.estimate_only {
+        let summary = filament::count(planned, &job, &spinner)?;
+        args.supports.write(record, &summary)?;
+        summary
+    } else if output == Path::new("-") {
         let failed = |e| JobError::from(OutputError::new(Path::new("standard output"), e));
         let mut out = io::BufWriter::with_capacity(1 << 18, io::stdout().lock());
         let summary = filament::write(planned, &job, &mut out, &spinner)
@@ -97,7 +104,9 @@ pub fn run(args: &SliceArgs) -> Result<(), CliError> {
     };
     drop(spinner);
 
-    summary.output = output.display().to_string();
+    if !args.estimate_only {
+        summary.output = output.display().to_string();
+    }
     summary.warnings.splice(0..0, given.warnings.iter().map(ToString::to_string));
     summary.ignored_settings = report::ignored_keys(&given.files);
     if !args.run.quiet {

@@ -32,6 +32,12 @@ pub struct Summary {
     pub high: [f64; 3],
     /// Duration at full speed everywhere, without any acceleration: a lower bound \[s\].
     pub seconds_at_least: f64,
+    /// Its part by [`Role::index`] \[s\].
+    pub role_seconds: [f64; Role::COUNT],
+    /// Its part of XY travel \[s\].
+    pub travel_seconds: f64,
+    /// Its part of moves of the filament alone \[s\].
+    pub retraction_seconds: f64,
     /// Bytes written.
     pub bytes: u64,
 }

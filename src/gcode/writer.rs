@@ -12,6 +12,8 @@ use std::io;
 /// Writes a file layer by layer: [`Writer::new`], [`Writer::layer`] for each, [`Writer::finish`].
 pub struct Writer<'a, W> {
     out: W,
+    /// Only counts: what would be written is not even formed.
+    counts_only: bool,
     buffer: Vec<u8>,
     line: Line,
     settings: &'a Settings,
@@ -93,6 +95,7 @@ impl<'a, W: io::Write> Writer<'a, W> {
         let area = section(&settings.filament).max(1e-6);
         let mut writer = Self {
             out,
+            counts_only: false,
             buffer: Vec::with_capacity(BATCH + (BATCH >> 2)),
             line: Line::default(),
             settings,
@@ -108,6 +111,15 @@ impl<'a, W: io::Write> Writer<'a, W> {
         Ok(writer)
     }
 
+    /// The same, but nothing is written from now on: [`Writer::finish`] tells what a file would hold, in
+    /// `bytes` none.
+    #[must_use]
+    pub fn counting_only(mut self) -> Self {
+        self.counts_only = true;
+        self.buffer = Vec::new();
+        self
+    }
+
     /// Writes one layer.
     ///
     /// # Errors
@@ -116,11 +128,11 @@ impl<'a, W: io::Write> Writer<'a, W> {
         let index = self.summary.layers;
         let z = self.micrometres(i64::from(layer.print_z)) + self.z_offset();
         let text = LayerText { index, z: z as f64 / 1000.0, height: mm(layer.height) };
-        preamble::layer_change(text.z, text.height, &mut self.buffer);
-        append(
-            &flavor::current_layer(self.settings.printer.gcode_flavor, index + 1).unwrap_or_default(),
-            &mut self.buffer,
-        );
+        if !self.counts_only {
+            preamble::layer_change(text.z, text.height, &mut self.buffer);
+            let current = flavor::current_layer(self.settings.printer.gcode_flavor, index + 1);
+            append(&current.unwrap_or_default(), &mut self.buffer);
+        }
         self.custom(&(self.texts.before_layer)(text));
         if index > 0 && self.settings.retraction.retract_layer_change {
             self.retract();
@@ -129,7 +141,7 @@ impl<'a, W: io::Write> Writer<'a, W> {
         self.machine.z = z;
         self.move_z(z, "move to next layer");
         self.custom(&(self.texts.layer)(text));
-        if index == 1 {
+        if index == 1 && !self.counts_only {
             preamble::second_layer(self.settings, &mut self.buffer);
         }
         self.machine.layer_fan = flavor::fan_step(layer.fan);
@@ -163,6 +175,9 @@ impl<'a, W: io::Write> Writer<'a, W> {
             self.summary.low = self.bounds.low.map(|v| v as f64 / 1000.0);
             self.summary.high = self.bounds.high.map(|v| v as f64 / 1000.0);
         }
+        if self.counts_only {
+            return Ok(self.summary);
+        }
         let tail = preamble::tail(&self.summary.comments(), self.settings, self.texts);
         self.buffer.extend_from_slice(&tail);
         self.flush()?;
@@ -177,8 +192,10 @@ impl<'a, W: io::Write> Writer<'a, W> {
         if m.role != Some(extrusion.role) {
             m.role = Some(extrusion.role);
             m.width = 0.0;
-            self.buffer.extend_from_slice(b";TYPE:");
-            append(extrusion.role.name(), &mut self.buffer);
+            if !self.counts_only {
+                self.buffer.extend_from_slice(b";TYPE:");
+                append(extrusion.role.name(), &mut self.buffer);
+            }
         }
         if m.width != extrusion.width {
             m.width = extrusion.width;
@@ -203,7 +220,9 @@ impl<'a, W: io::Write> Writer<'a, W> {
         }
         self.role_e[extrusion.role.index()] += self.machine.e_net - before;
         self.summary.extruded_mm += extrusion.length;
-        self.summary.seconds_at_least += extrusion.length / extrusion.speed;
+        let seconds = extrusion.length / extrusion.speed;
+        self.summary.seconds_at_least += seconds;
+        self.summary.role_seconds[extrusion.role.index()] += seconds;
     }
 
     /// Sets the fan, unless it turns like that already.
@@ -211,12 +230,18 @@ impl<'a, W: io::Write> Writer<'a, W> {
     fn fan(&mut self, step: u8) {
         if step != self.machine.fan {
             self.machine.fan = step;
+            if self.counts_only {
+                return;
+            }
             append(&flavor::fan(self.settings.printer.gcode_flavor, step), &mut self.buffer);
         }
     }
 
     /// Writes a comment that states a length \[mm\].
     fn comment(&mut self, tag: &[u8], value: f64) {
+        if self.counts_only {
+            return;
+        }
         self.line.clear();
         self.line.text(tag);
         self.line.hundred_thousandths((value * 1e5).round() as i64);
@@ -241,6 +266,9 @@ impl<'a, W: io::Write> Writer<'a, W> {
         m.e_net += step;
         m.at = Some([x, y]);
         self.bounds.include(0, [x, y]);
+        if self.counts_only {
+            return;
+        }
         let line = &mut self.line;
         line.clear();
         line.text(b"G1");
@@ -285,9 +313,14 @@ impl<'a, W: io::Write> Writer<'a, W> {
             let (dx, dy) = ((x - x0) as f64 / 1000.0, (y - y0) as f64 / 1000.0);
             let length = (dx * dx + dy * dy).sqrt();
             self.summary.travel_mm += length;
-            self.summary.seconds_at_least += length / self.settings.speed.travel_speed.max(1e-3);
+            let seconds = length / self.settings.speed.travel_speed.max(1e-3);
+            self.summary.seconds_at_least += seconds;
+            self.summary.travel_seconds += seconds;
         }
         self.machine.at = Some([x, y]);
+        if self.counts_only {
+            return;
+        }
         let line = &mut self.line;
         line.clear();
         line.text(b"G1");
@@ -311,6 +344,9 @@ impl<'a, W: io::Write> Writer<'a, W> {
     }
 
     fn move_z(&mut self, z: i64, comment: &str) {
+        if self.counts_only {
+            return;
+        }
         let speed = match self.settings.speed.travel_speed_z {
             z if z > 0.0 => z,
             _ => self.settings.speed.travel_speed,
@@ -367,7 +403,9 @@ impl<'a, W: io::Write> Writer<'a, W> {
             self.line.word(b'E');
             let relative = self.settings.printer.use_relative_e_distances;
             self.line.hundred_thousandths(if relative { steps } else { self.machine.e });
-            self.summary.seconds_at_least += steps.abs() as f64 / 1e5 / speed.max(1e-3);
+            let seconds = steps.abs() as f64 / 1e5 / speed.max(1e-3);
+            self.summary.seconds_at_least += seconds;
+            self.summary.retraction_seconds += seconds;
             if self.machine.feed != feed {
                 self.machine.feed = feed;
                 self.line.word(b'F');
@@ -380,7 +418,7 @@ impl<'a, W: io::Write> Writer<'a, W> {
     /// Starts counting an absolute E from 0 again.
     fn reset_e(&mut self) {
         if !self.settings.printer.use_relative_e_distances && self.machine.e != 0 {
-            append("G92 E0", &mut self.buffer);
+            self.append("G92 E0");
         }
         self.machine.e = 0;
     }
@@ -388,7 +426,7 @@ impl<'a, W: io::Write> Writer<'a, W> {
     /// Writes G-code of the user's, after which less is known about the machine.
     fn custom(&mut self, text: &str) {
         if !text.trim().is_empty() {
-            append(text, &mut self.buffer);
+            self.append(text);
             self.machine.at = None;
             self.machine.feed = 0;
         }
@@ -396,12 +434,22 @@ impl<'a, W: io::Write> Writer<'a, W> {
 
     #[inline]
     fn end_line(&mut self, comment: &str) {
+        if self.counts_only {
+            return;
+        }
         if self.settings.output.gcode_comments {
             self.line.text(b" ; ");
             self.line.text(comment.as_bytes());
         }
         self.line.text(b"\n");
         self.line.append_to(&mut self.buffer);
+    }
+
+    /// Lines that stand alone.
+    fn append(&mut self, text: &str) {
+        if !self.counts_only {
+            append(text, &mut self.buffer);
+        }
     }
 
     fn flush(&mut self) -> io::Result<()> {

@@ -92,7 +92,9 @@ pub fn plan_with(
     let mut watch = Stopwatch::default();
     progress.stage("reading");
     watch.stage("load");
+    go_on(progress)?;
     let loaded = mesh::load(path)?;
+    go_on(progress)?;
     plan_loaded(loaded, &path.display().to_string(), Some(path), job, wish, progress, watch)
 }
 
@@ -152,6 +154,7 @@ fn plan_loaded(
     fits_on_raft(&mesh, &raft, settings, name)?;
 
     progress.stage("slicing");
+    go_on(progress)?;
     watch.stage("slice");
     // What concerns the first layer concerns the raft where there is one.
     let on_raft = (!raft.layers.is_empty()).then(|| raft::part_settings(settings));
@@ -171,6 +174,7 @@ fn plan_loaded(
     let contours = traced.layers.iter().map(|l| l.rings.len() as u64).sum();
 
     progress.stage("walls");
+    go_on(progress)?;
     watch.stage("walls");
     let wall_plans: Vec<WallPlan> =
         (0..).zip(&layers).map(|(i, z)| WallPlan::new(own, lattice::mm(z.height), i == 0)).collect();
@@ -183,6 +187,7 @@ fn plan_loaded(
     }
 
     progress.stage("infill");
+    go_on(progress)?;
     watch.stage("infill");
     let fill_plan = if settings.slicing.adaptive_layer_height {
         infill::FillPlan::for_heights(own, layers.iter().map(|l| l.height))
@@ -193,6 +198,7 @@ fn plan_loaded(
     layers.iter_mut().for_each(|l| l.print_z += raft.part_z);
 
     progress.stage("supports");
+    go_on(progress)?;
     watch.stage("supports");
     let bridges = (&filled.bridges[..], &fill_plan.area_frame());
     let make =
@@ -236,12 +242,26 @@ fn plan_loaded(
 /// What [`plan`] and [`write`] would say, without writing anything: same filament, same layers, same bound of
 /// the time. `bytes` is 0.
 ///
+/// Everything that decides the filament is done as for a print, because each line's length counts; only the
+/// text is not formed.
+///
 /// # Errors
-/// As [`plan`].
+/// As [`plan`], and for a wrong template as [`write`].
 pub fn estimate(path: &Path, job: &FilamentJob<'_>, progress: &dyn Progress) -> Result<Summary, JobError> {
-    let planned = plan(path, job, progress)?;
-    let summary = write(planned, job, &mut std::io::sink(), progress).map_err(|e| e.at(path))?;
-    Ok(Summary { bytes: 0, ..summary })
+    count(plan(path, job, progress)?, job, progress)
+}
+
+/// [`estimate`] of a model whose layers are ready.
+///
+/// # Errors
+/// A template is wrong.
+pub fn count(planned: Planned, job: &FilamentJob<'_>, progress: &dyn Progress) -> Result<Summary, JobError> {
+    let nowhere = &mut std::io::sink();
+    match put(planned, job, nowhere, progress, Put { text: false, keep: None }) {
+        Ok((summary, _)) => Ok(summary),
+        // Nothing is written, so that no stream can fail; the model stands in for its name.
+        Err(e) => Err(e.at(Path::new(&job.stem))),
+    }
 }
 
 /// Puts the layers in order and writes them, one after the other.
@@ -268,10 +288,28 @@ pub fn write_keeping(
     progress: &dyn Progress,
     keep: Option<usize>,
 ) -> Result<(Summary, Option<LayerPlan>), WriteError> {
+    put(planned, job, out, progress, Put { text: true, keep })
+}
+
+/// What becomes of the layers in order.
+struct Put {
+    /// They are written; otherwise only counted.
+    text: bool,
+    /// The layer whose extrusions are kept.
+    keep: Option<usize>,
+}
+
+fn put(
+    planned: Planned,
+    job: &FilamentJob<'_>,
+    out: &mut impl Write,
+    progress: &dyn Progress,
+    how: Put,
+) -> Result<(Summary, Option<LayerPlan>), WriteError> {
     let mut kept = None;
     let Planned { layers, origin, mut summary, mut watch, .. } = planned;
-    progress.stage("writing");
-    watch.stage("order and write");
+    progress.stage(if how.text { "writing" } else { "counting" });
+    watch.stage(if how.text { "order and write" } else { "order and count" });
     let settings = job.settings;
     let text = GcodeText::new(&layers, origin, job)?;
     let before_layer = |l| text.layer("before_layer_gcode", &settings.output.before_layer_gcode, l);
@@ -287,12 +325,15 @@ pub fn write_keeping(
     };
     let mut planner = Planner::new(home(origin), settings);
     let mut writer = gcode::Writer::new(out, layers.len(), origin, settings, &texts)?;
+    if !how.text {
+        writer = writer.counting_only();
+    }
     let mut plan = LayerPlan::default();
     for (index, layer) in layers.into_iter().enumerate() {
         go_on(progress)?;
         planner.layer(&layer, &mut plan);
         writer.layer(&plan)?;
-        if keep == Some(index) {
+        if how.keep == Some(index) {
             kept = Some(plan.clone());
         }
     }
@@ -300,6 +341,7 @@ pub fn write_keeping(
     summary.filament = filament_summary(&written, settings);
     summary.bounds_mm = (written.extruded_mm > 0.0).then_some([written.low, written.high]);
     summary.time_lower_bound_s = written.seconds_at_least;
+    summary.time_by_role_s = time_by_role(&written);
     summary.bytes = written.bytes;
     summary.stages = watch.finish();
     Ok((summary, kept))
@@ -348,6 +390,14 @@ fn filament_summary(written: &gcode::Summary, settings: &Settings) -> FilamentSu
             .map(|_| written.cost),
         mm_by_role: by_role.filter(|(_, mm)| *mm > 0.0).collect(),
     }
+}
+
+/// The lower bound of the time by what is printed, and that of `travel` and `retraction`; their sum is the whole.
+fn time_by_role(written: &gcode::Summary) -> BTreeMap<String, f64> {
+    let roles = Role::ALL.into_iter().map(|r| (r.name(), written.role_seconds[r.index()]));
+    let others = [("travel", written.travel_seconds), ("retraction", written.retraction_seconds)];
+    let all = roles.chain(others).map(|(name, seconds)| (name.to_owned(), seconds));
+    all.filter(|(_, seconds)| *seconds > 0.0).collect()
 }
 
 /// What enforcers and blockers cover; `origins` are the part's in its file and on the bed.

@@ -11,7 +11,12 @@ const SHARE: u64 = 4;
 /// A quarter of the memory that this process can have \[bytes\]: the machine's, or what a control group
 /// allows of it; 1 GiB where the system does not say.
 pub fn default_budget() -> u64 {
-    machine().unwrap_or(UNKNOWN) / SHARE
+    of_machine() / SHARE
+}
+
+/// Memory of the machine or of the control group \[bytes\]; 4 GiB where the system does not say.
+pub fn of_machine() -> u64 {
+    machine().unwrap_or(UNKNOWN)
 }
 
 /// Memory of the machine or of the control group \[bytes\]; known on Linux only.

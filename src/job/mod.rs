@@ -21,6 +21,7 @@ pub mod summary;
 mod support_picture;
 pub mod support_report;
 pub mod supports;
+pub mod threads;
 pub mod toolpaths;
 
 pub use error::{FailureKind, JobError};

@@ -35,7 +35,7 @@ pub struct Summary {
     pub bounds_mm: Option<[[f64; 3]; 2]>,
     /// Lower bound of the print time: path lengths over speeds, no acceleration \[s\].
     pub time_lower_bound_s: f64,
-    /// The same by what is printed \[s\], `travel` among them.
+    /// The same by what is printed \[s\], `travel` and `retraction` among them; a lower bound, too.
     pub time_by_role_s: std::collections::BTreeMap<String, f64>,
     /// Everything that deserves a look.
     pub warnings: Vec<String>,

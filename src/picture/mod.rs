@@ -16,6 +16,20 @@ pub fn beside(left: &RgbImage, right: &RgbImage) -> RgbImage {
     out
 }
 
+/// A picture made smaller, if need be, to fit into a frame, in whose middle it lies.
+pub fn fitted(picture: &RgbImage, width: u32, height: u32) -> RgbImage {
+    let (w, h) = picture.dimensions();
+    let scale =
+        (f64::from(width) / f64::from(w.max(1))).min(f64::from(height) / f64::from(h.max(1))).min(1.0);
+    let side = |n: u32| ((f64::from(n) * scale) as u32).max(1);
+    let small = image::imageops::thumbnail(picture, side(w), side(h));
+    let mut out = RgbImage::from_pixel(width, height, BACKGROUND);
+    let corner =
+        [(width, small.width()), (height, small.height())].map(|(a, b)| i64::from(a.saturating_sub(b) / 2));
+    image::imageops::replace(&mut out, &small, corner[0], corner[1]);
+    out
+}
+
 /// Colour behind everything.
 pub const BACKGROUND: image::Rgb<u8> = image::Rgb([250, 250, 248]);
 

@@ -39,7 +39,7 @@ impl Motion {
 }
 
 /// A picture of the part, straight from the top left, rows of red, green, blue.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Preview {
     /// Pixels in a row.
     pub width: u32,

@@ -33,6 +33,7 @@ pub use keys_resin::RESIN_KEYS;
 pub use kind::{Kind, Stage, Technology};
 pub use list::{reference, terminal_list};
 pub use load::{LoadReport, SettingsError, load_bytes, load_file};
+pub use suggest::nearest_of;
 pub use types::*;
 pub use types_part::*;
 pub use types_resin::*;

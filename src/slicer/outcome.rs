@@ -1,8 +1,11 @@
 //! What came of a request.
 
 use crate::job::{FailureKind, JobError};
+use crate::mesh::MeshError;
+use crate::settings::SettingsError;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 
 /// What a finished print is made of.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -76,6 +79,73 @@ impl Failure {
 
 impl From<&JobError> for Failure {
     fn from(error: &JobError) -> Self {
-        Self::new(error.kind(), error.to_string())
+        let (transient, disk_full) = match error {
+            #[cfg(feature = "gpu")]
+            JobError::Device(_) => (true, false),
+            JobError::Output(e) => (may_pass(e.source.kind()), is_full(e.source.kind())),
+            JobError::Mesh(MeshError::Read { source, .. }) => (may_pass(source.kind()), false),
+            JobError::Settings(e) => (settings_may_pass(e), false),
+            _ => (false, false),
+        };
+        Self { kind: error.kind(), message: error.to_string(), transient, disk_full }
+    }
+}
+
+/// Whether settings could not be read for a reason that may be gone at the next try.
+pub(super) fn settings_may_pass(error: &SettingsError) -> bool {
+    matches!(error, SettingsError::Io { source, .. } if may_pass(source.kind()))
+}
+
+fn is_full(kind: ErrorKind) -> bool {
+    matches!(kind, ErrorKind::StorageFull | ErrorKind::QuotaExceeded)
+}
+
+/// Whether an error of the system may be gone at the next try: all but those that somebody must put right.
+fn may_pass(kind: ErrorKind) -> bool {
+    !is_full(kind)
+        && !matches!(
+            kind,
+            ErrorKind::NotFound
+                | ErrorKind::PermissionDenied
+                | ErrorKind::IsADirectory
+                | ErrorKind::NotADirectory
+                | ErrorKind::DirectoryNotEmpty
+                | ErrorKind::AlreadyExists
+                | ErrorKind::ReadOnlyFilesystem
+                | ErrorKind::FileTooLarge
+                | ErrorKind::InvalidFilename
+                | ErrorKind::InvalidInput
+                | ErrorKind::InvalidData
+                | ErrorKind::Unsupported
+                | ErrorKind::BrokenPipe
+        )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::job::output::OutputError;
+    use std::io;
+    use std::path::Path;
+
+    #[test]
+    fn what_may_pass_is_told_from_what_stays() {
+        let output = |e: io::Error| Failure::from(&JobError::from(OutputError::new(Path::new("a"), e)));
+        let full = output(ErrorKind::StorageFull.into());
+        assert_eq!((full.kind, full.transient, full.disk_full), (FailureKind::Output, false, true));
+        let full = output(io::Error::from_raw_os_error(122));
+        assert!(full.disk_full, "EDQUOT: {full:?}");
+        let denied = output(ErrorKind::PermissionDenied.into());
+        assert!(!denied.transient && !denied.disk_full);
+        let broken = output(io::Error::from_raw_os_error(5));
+        assert!(broken.transient && !broken.disk_full, "EIO: {broken:?}");
+
+        let mesh = |source| Failure::from(&JobError::from(MeshError::Read { path: "m".into(), source }));
+        assert!(mesh(io::Error::from_raw_os_error(5)).transient);
+        assert!(mesh(ErrorKind::TimedOut.into()).transient);
+        assert!(!mesh(ErrorKind::PermissionDenied.into()).transient);
+        let missing = Failure::from(&JobError::from(MeshError::Missing { path: "m".into() }));
+        assert_eq!((missing.kind, missing.transient), (FailureKind::Model, false));
+        assert!(!Failure::from(&JobError::Cancelled).transient);
     }
 }

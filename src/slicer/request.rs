@@ -1,6 +1,6 @@
 //! What is asked for.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -21,7 +21,7 @@ pub enum Technology {
 pub struct Request {
     /// The model's file.
     pub model: PathBuf,
-    /// Where the output goes; `None` only with `estimate`.
+    /// Where the output goes; `None` only with `estimate`. Folders around it are made.
     pub output: Option<PathBuf>,
     /// How it is printed.
     pub technology: Technology,
@@ -29,7 +29,8 @@ pub struct Request {
     pub printer: Option<String>,
     /// Files of settings, later ones win.
     pub load: Vec<PathBuf>,
-    /// Settings by key, over those of files.
+    /// Settings by key, over those of files. In JSON numbers, `true` and `false` need no quotes.
+    #[serde(deserialize_with = "texts")]
     pub settings: BTreeMap<String, String>,
     /// How many of the model are laid on the bed.
     pub copies: u32,
@@ -53,7 +54,7 @@ pub struct Request {
     pub estimate: bool,
     /// A small picture of the middle layer goes here, as PNG.
     pub picture: Option<PathBuf>,
-    /// CPU threads; `None` = as many as there are.
+    /// CPU threads; `None` = the slicer's own number.
     pub threads: Option<u16>,
     /// The model's size \[bytes\] and time of modification \[ns since 1970\] as known to the caller; a file
     /// that has changed since is refused.
@@ -86,5 +87,121 @@ impl Default for Request {
             expect: None,
             date: 0,
         }
+    }
+}
+
+/// For programs: a request step by step. All else is set by the fields.
+impl Request {
+    /// G-code of a model, with default settings.
+    pub fn new(model: impl Into<PathBuf>) -> Self {
+        Self { model: model.into(), ..Self::default() }
+    }
+
+    /// Where the output goes.
+    #[must_use]
+    pub fn output(self, path: impl Into<PathBuf>) -> Self {
+        Self { output: Some(path.into()), ..self }
+    }
+
+    /// Masks for a resin printer, by its name or by a file that describes it, instead of G-code.
+    #[must_use]
+    pub fn resin(self, printer: impl Into<String>) -> Self {
+        Self { technology: Technology::Resin, printer: Some(printer.into()), ..self }
+    }
+
+    /// One more file of settings; later ones win.
+    #[must_use]
+    pub fn load(mut self, path: impl Into<PathBuf>) -> Self {
+        self.load.push(path.into());
+        self
+    }
+
+    /// One setting, over those of files.
+    #[must_use]
+    pub fn set(mut self, key: impl Into<String>, value: impl Into<String>) -> Self {
+        self.settings.insert(key.into(), value.into());
+        self
+    }
+
+    /// So many of the model.
+    #[must_use]
+    pub fn copies(self, copies: u32) -> Self {
+        Self { copies, ..self }
+    }
+
+    /// Writes nothing, only says what would be printed.
+    #[must_use]
+    pub fn estimate(self) -> Self {
+        Self { estimate: true, ..self }
+    }
+
+    /// Draws the middle layer.
+    #[must_use]
+    pub fn picture(self, path: impl Into<PathBuf>) -> Self {
+        Self { picture: Some(path.into()), ..self }
+    }
+
+    /// So many CPU threads.
+    #[must_use]
+    pub fn threads(self, threads: u16) -> Self {
+        Self { threads: Some(threads), ..self }
+    }
+}
+
+/// A value of a setting, as people write it in JSON.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "a setting's value must be a text, a number, true or false")]
+enum Value {
+    Text(String),
+    Flag(bool),
+    Whole(i64),
+    Number(f64),
+}
+
+fn texts<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, String>, D::Error> {
+    let values = BTreeMap::<String, Value>::deserialize(deserializer)?;
+    let text = |value| match value {
+        Value::Text(text) => text,
+        Value::Flag(on) => u8::from(on).to_string(),
+        Value::Whole(n) => n.to_string(),
+        Value::Number(n) => n.to_string(),
+    };
+    Ok(values.into_iter().map(|(key, value)| (key, text(value))).collect())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_need_no_quotes() {
+        let read = |text: &str| serde_json::from_str::<Request>(text);
+        let request =
+            read(r#"{"settings": {"a": 0.2, "b": 3, "c": true, "d": "15%", "e": -1e-3, "f": false}}"#)
+                .unwrap();
+        let values: Vec<&str> = request.settings.values().map(String::as_str).collect();
+        assert_eq!(values, ["0.2", "3", "1", "15%", "-0.001", "0"]);
+        let error = read(r#"{"settings": {"a": [1]}}"#).unwrap_err().to_string();
+        assert!(error.contains("must be a text, a number, true or false"), "{error}");
+        let error = read(r#"{"modle": "a"}"#).unwrap_err().to_string();
+        assert!(error.contains("unknown field `modle`, expected one of `model`, `output`"), "{error}");
+    }
+
+    #[test]
+    fn requests_survive_json() {
+        let request = Request { rotate: 12.5, expect: Some([3, i64::MAX]), ..Request::new("ü/a b.stl") }
+            .output("o.gcode")
+            .load("a.ini")
+            .load("b.toml")
+            .set("layer_height", "0.2")
+            .resin("prusa-sl1")
+            .copies(7)
+            .estimate()
+            .picture("p.png")
+            .threads(3);
+        let text = serde_json::to_string(&request).unwrap();
+        assert_eq!(serde_json::from_str::<Request>(&text).unwrap(), request);
+        assert_eq!(request.load.len(), 2);
     }
 }

@@ -2,8 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
 mod bad_input;
+mod batch_inputs;
 mod golden;
 mod contours;
+mod estimate;
 mod below;
 mod faults;
 mod inspect;
@@ -13,6 +15,7 @@ mod printers;
 mod same_bytes;
 mod settings;
 mod supports;
+mod worker;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

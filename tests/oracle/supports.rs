@@ -108,6 +108,34 @@ fn planted_faults_are_seen() {
 }
 
 #[test]
+fn nothing_stands_under_what_stands_on_the_part() {
+    // Two blunt cones, base to base, with a disc on a neck: what holds the disc stands on the upper cone, and the
+    // lower one is too steep to need any.
+    let profile = [
+        [0.0, 0.0],
+        [4.0, 0.0],
+        [10.0, 14.0],
+        [4.0, 26.0],
+        [2.0, 26.0],
+        [2.0, 34.0],
+        [6.0, 34.0],
+        [6.0, 36.0],
+        [0.0, 36.0],
+    ];
+    for style in [SupportStyle::Grid, SupportStyle::Snug] {
+        let mesh = shapes::revolve(&profile, 60);
+        let case = Case { name: String::new(), mesh, settings: plain(style) };
+        let (_, supports) = case.made();
+        let length = |layer: &microtome::support::SupportLayer| {
+            [&layer.base, &layer.interface, &layer.bottom_interface].map(Rows::length).iter().sum::<i64>()
+        };
+        let (under, above): (Vec<_>, Vec<_>) = supports.layers.iter().partition(|l| l.print_z < 14_000_000);
+        let sums = [under, above].map(|layers| layers.into_iter().map(length).sum::<i64>());
+        assert!(sums[0] == 0 && sums[1] > 0, "{style:?}: {sums:?}");
+    }
+}
+
+#[test]
 fn supports_do_not_depend_on_the_number_of_threads() {
     for seed in [3, 4, 5] {
         let case = Case::random(seed);

@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub(super) struct Made {
     /// The mask, kept for checks only.
     pub mask: Option<Arc<MaskLayer>>,
-    /// By [`Container::encode`].
+    /// By [`Container::encode`]; empty where there is no container.
     pub encoded: Vec<u8>,
     /// Lit pixels.
     pub lit: u64,
@@ -23,7 +23,8 @@ pub(super) struct Made {
 /// What all layers of a print have in common on their way to bytes.
 pub(super) struct Maker<'a> {
     pub raster: &'a Raster,
-    pub container: &'a dyn Container,
+    /// `None` where layers are only measured.
+    pub container: Option<&'a dyn Container>,
     /// How far outlines move outwards along the plate's x and y \[nm\], by the layer's number.
     pub offset: &'a (dyn Fn(u32) -> [i64; 2] + Sync),
     /// Whether masks are kept.
@@ -71,9 +72,9 @@ impl Maker<'_> {
         morph::offset_disc(area, along, stretched)
     }
 
-    /// Compresses a mask.
+    /// Measures a mask and compresses it.
     pub(super) fn made(&self, mask: &Arc<MaskLayer>) -> Arc<Made> {
-        let encoded = self.container.encode(mask, self.panel());
+        let encoded = self.container.map_or_else(Vec::new, |c| c.encode(mask, self.panel()));
         let (lit, area_mm2) = (mask.lit(), mask.area() * self.panel().pixel_mm2());
         Arc::new(Made { mask: self.keep_masks.then(|| Arc::clone(mask)), encoded, lit, area_mm2 })
     }

@@ -12,6 +12,7 @@ mod target;
 
 pub use plate::{ModelSummary, PlateOptions};
 pub use summary::{LargestLayer, PanelSummary, ResinSummary};
+pub use target::format_of;
 
 use super::JobError;
 use super::backend::BackendOptions;
@@ -19,8 +20,9 @@ use super::mask_check::CheckReport;
 use super::memory;
 use super::open::OpenContours;
 use super::output::{OutputError, OutputFile};
-use super::progress::Progress;
+use super::progress::{Progress, go_on};
 use super::summary::Stopwatch;
+use super::threads::on_pool;
 use crate::contour::TraceOptions;
 use crate::lattice;
 use crate::mask::Panel;
@@ -62,6 +64,8 @@ pub struct ResinJob<'a> {
     pub check_report: Option<PathBuf>,
     /// Folder for pictures of the worst layers that the checks found.
     pub check_pictures: Option<PathBuf>,
+    /// File for a small picture of the middle layer, as PNG.
+    pub picture: Option<PathBuf>,
 }
 
 /// Cuts models into masks and writes them.
@@ -75,16 +79,29 @@ pub fn run(
     output: &Path,
     progress: &dyn Progress,
 ) -> Result<ResinSummary, JobError> {
+    make(paths, job, format, Some(output), progress)
+}
+
+/// [`run`], or without an output only what it would say.
+fn make(
+    paths: &[PathBuf],
+    job: &ResinJob<'_>,
+    format: Format,
+    output: Option<&Path>,
+    progress: &dyn Progress,
+) -> Result<ResinSummary, JobError> {
     let mut watch = Stopwatch::default();
     let settings = job.settings;
     let mut warnings: Vec<String> = settings.validate_resin()?.iter().map(ToString::to_string).collect();
     let panel = machine::panel(settings);
     let name = paths.first().map_or_else(String::new, |p| p.display().to_string());
-    let plate =
-        plate::prepare(paths, &job.plate, &panel, settings.printer.max_print_height, progress, &mut watch)?;
+    let height = settings.printer.max_print_height;
+    go_on(progress)?;
+    let plate = on_pool(|| plate::prepare(paths, &job.plate, &panel, height, progress, &mut watch))?;
     warnings.extend_from_slice(&plate.warnings);
 
     progress.stage("slicing");
+    go_on(progress)?;
     watch.stage("preview");
     let layers = layers_of(&plate, job, &name)?;
     let shading = Shading {
@@ -94,17 +111,18 @@ pub fn run(
     };
     let [x, y, z] = plate.mesh.origin;
     let raster = Raster::new(panel, [x, y], &shading)?;
+    let name_of_output = output.map_or_else(|| would_be(job, format), Path::to_owned);
     let container = format
-        .container(output, settings.machine.ctb_version)
-        .ok_or(JobError::NoWriter(output.to_owned()))?;
-    let print = print(&plate, &layers, job, &panel, container.preview_size());
+        .container(&name_of_output, settings.machine.ctb_version)
+        .ok_or(JobError::NoWriter(name_of_output))?;
+    let print = print(&plate, &layers, job, &panel, output.map(|_| container.preview_size()));
     warnings.extend(container.losses(&print));
-    let mut target = Target::create(output, format)?;
+    let mut target = output.map(|path| Target::create(path, format)).transpose()?;
     let schedule = Schedule::new(settings, &panel);
     let offset = |layer: u32| machine::outline_offset(settings, &panel, layer);
     let maker = Maker {
         raster: &raster,
-        container: container.as_ref(),
+        container: output.map(|_| container.as_ref()),
         offset: &offset,
         keep_masks: job.check.is_some(),
     };
@@ -127,10 +145,11 @@ pub fn run(
     let mut sums = Sums::new(job.check, panel);
     let mut written = 0;
     let done = {
-        let mut sink = target.begin(container.as_ref(), &print)?;
+        let mut sink = target.as_mut().map(|t| t.begin(container.as_ref(), &print)).transpose()?;
         let done = stream::stream(
             |sender| wanted.make(sender),
             |made: Arc<Made>| {
+                go_on(progress)?;
                 let number = layers.first + written;
                 let info = LayerInfo {
                     lit: made.lit,
@@ -139,7 +158,9 @@ pub fn run(
                     ..schedule.layer(number, &layers.list[written as usize])
                 };
                 sums.layer(&info, &made, schedule.time(&info));
-                sink.layer(&info, &made.encoded)?;
+                if let Some(sink) = &mut sink {
+                    sink.layer(&info, &made.encoded)?;
+                }
                 written += 1;
                 progress.layers(written.into(), layers.list.len() as u64);
                 Ok(())
@@ -148,30 +169,39 @@ pub fn run(
         if sums.lit == 0 {
             return Err(JobError::Dark { model: name });
         }
-        sink.finish(&sums.totals(&print))?;
+        if let Some(sink) = sink {
+            sink.finish(&sums.totals(&print))?;
+        }
         done
     };
     warnings.extend(done.warning);
     let open_contours = OpenContours::new(&done.contours, &layers.list, plate.mesh.origin);
     warnings.extend(open_contours.warning(&name));
     watch.stage("finish");
+    go_on(progress)?;
     let totals = sums.totals(&print);
     let (largest_layer, lit_pixels) = (sums.largest, sums.lit);
     let check = match (sums.finish(), &job.check) {
         (Some(findings), Some(settings)) => Some(CheckReport::new(findings, settings)),
         _ => None,
     };
-    if let (Some(check), Some(settings), Some(folder)) = (&check, &job.check, &job.check_pictures) {
-        pictures::draw(check, settings, &wanted, folder)?;
+    let pictures = job.check_pictures.as_ref().filter(|_| output.is_some());
+    if let (Some(check), Some(settings), Some(folder)) = (&check, &job.check, pictures) {
+        on_pool(|| pictures::draw(check, settings, &wanted, folder))?;
     }
-    if let (Some(check), Some(path)) = (&check, &job.check_report) {
+    if let Some(path) = job.picture.as_ref().filter(|_| output.is_some()) {
+        on_pool(|| pictures::draw_middle(&wanted, path))?;
+    }
+    let report = job.check_report.as_ref().filter(|_| output.is_some());
+    if let (Some(check), Some(path)) = (&check, report) {
         write_report(path, check)?;
     }
     warnings.extend(check.iter().flat_map(CheckReport::warnings));
-    let bytes = target.commit()?;
+    go_on(progress)?;
+    let bytes = target.map_or(Ok(0), Target::commit)?;
     Ok(ResinSummary {
         models: plate.models,
-        output: output.display().to_string(),
+        output: output.map_or_else(String::new, |path| path.display().to_string()),
         format: format.name(),
         printer: print.machine.clone(),
         bytes,
@@ -200,18 +230,28 @@ pub fn run(
 }
 
 /// What [`run`] would say of a print in `format`, without writing anything: same layers, same volume, same bound
-/// of the time. `bytes` is 0.
+/// of the time. `bytes` is 0. Masks are measured but not compressed. Files for the checks' findings are not
+/// written either.
 ///
 /// # Errors
-/// As [`run`].
+/// As [`run`], but for what only shows when a file is written: [`JobError::Unfit`], [`JobError::Output`].
 pub fn estimate(
     paths: &[PathBuf],
     job: &ResinJob<'_>,
     format: Format,
     progress: &dyn Progress,
 ) -> Result<ResinSummary, JobError> {
-    let nowhere = Path::new("/dev/null");
-    Ok(ResinSummary { bytes: 0, ..run(paths, job, format, nowhere, progress)? })
+    make(paths, job, format, None, progress)
+}
+
+/// A name that an output of the format could have; that of the printer's own files where they are of it.
+fn would_be(job: &ResinJob<'_>, format: Format) -> PathBuf {
+    let own = job.settings.machine.container.extension();
+    let extension = match Format::of_extension(own) {
+        Some(found) if found == format => own,
+        _ => format.extensions().first().copied().unwrap_or_default(),
+    };
+    Path::new("estimate").with_extension(extension)
 }
 
 /// The layers wanted.
@@ -235,11 +275,19 @@ fn layers_of(plate: &Plate, job: &ResinJob<'_>, name: &str) -> Result<Layers, Jo
     Ok(Layers { list, first: start })
 }
 
-fn print(plate: &Plate, layers: &Layers, job: &ResinJob<'_>, panel: &Panel, preview: [u32; 2]) -> Print {
+/// The print as a whole, with a preview of that size or without one.
+fn print(
+    plate: &Plate,
+    layers: &Layers,
+    job: &ResinJob<'_>,
+    panel: &Panel,
+    preview: Option<[u32; 2]>,
+) -> Print {
+    let drawn = |[width, height]: [u32; 2]| picture::preview::render(&plate.mesh, width, height);
     Print {
         name: plain(&job.name),
         date: job.date,
-        preview: Arc::new(picture::preview::render(&plate.mesh, preview[0], preview[1])),
+        preview: Arc::new(preview.map(drawn).unwrap_or_default()),
         ..machine::print(job.settings, panel, layers.list.len() as u32)
     }
 }
@@ -297,7 +345,7 @@ impl Sums {
         if let (Some(checker), Some(mask)) = (&mut self.checker, &made.mask) {
             self.batch.push(CheckLayer { mask: Arc::clone(mask), z: info.z, height: info.height });
             if self.batch.len() >= CHECKED_AT_ONCE {
-                checker.push(&self.batch);
+                on_pool(|| checker.push(&self.batch));
                 self.batch.clear();
             }
         }
@@ -315,7 +363,9 @@ impl Sums {
 
     fn finish(self) -> Option<Findings> {
         let mut checker = self.checker?;
-        checker.push(&self.batch);
-        Some(checker.finish())
+        Some(on_pool(|| {
+            checker.push(&self.batch);
+            checker.finish()
+        }))
     }
 }

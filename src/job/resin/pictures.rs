@@ -4,12 +4,13 @@ use super::layers::{Wanted, rings_to_edges};
 use super::make::{Line, Maker};
 use crate::contour;
 use crate::job::mask_check::{CheckReport, Reason};
-use crate::job::output::{OutputError, OutputFile};
+use crate::job::output::OutputError;
+use crate::job::toolpaths::save_png;
 use crate::job::{JobError, mask_picture};
 use crate::mask::MaskLayer;
-use crate::mask::check::CheckSettings;
+use crate::mask::check::{CheckSettings, Fates, Marks};
+use crate::picture;
 use crate::slice::section::Sections;
-use std::io::{Cursor, Write};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -52,15 +53,31 @@ pub(super) fn draw(
             Reason::Overhang => "overhang",
         };
         let path = folder.join(format!("layer_{here:05}_{reason}.png"));
-        let mut png = Cursor::new(Vec::new());
-        image
-            .write_to(&mut png, image::ImageFormat::Png)
-            .map_err(|e| OutputError::new(&path, std::io::Error::other(e)))?;
-        let mut out = OutputFile::create(&path)?;
-        out.write_all(png.get_ref()).map_err(|e| OutputError::new(&path, e))?;
-        out.commit()?;
+        save_png(&image, &path)?;
     }
     Ok(())
+}
+
+/// Size of a picture of the middle layer \[pixels\].
+const SMALL: (u32, u32) = (320, 240);
+
+/// Draws the middle layer. It is sliced again, so that it need not have been kept.
+///
+/// # Errors
+/// [`OutputError`]; [`JobError::Section`], [`JobError::Trace`].
+pub(super) fn draw_middle(wanted: &Wanted<'_>, path: &Path) -> Result<(), JobError> {
+    let middle = wanted.planes.len() / 2;
+    let mask = masks(wanted, middle..middle + 1)?.pop().unwrap_or_default();
+    let settings = CheckSettings::default();
+    let large = mask_picture::draw(
+        &mask,
+        None,
+        wanted.maker.panel(),
+        &settings,
+        &Marks::default(),
+        &Fates::default(),
+    );
+    Ok(save_png(&picture::fitted(&large, SMALL.0, SMALL.1), path)?)
 }
 
 /// The masks of consecutive planes.

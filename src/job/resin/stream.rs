@@ -1,5 +1,6 @@
 //! Layers from many threads to one writer, in order and with bounded memory.
 
+use crate::job::threads;
 use std::sync::mpsc::{SyncSender, sync_channel};
 
 /// The end of a stream at which batches go in.
@@ -12,7 +13,7 @@ impl<T> Sender<T> {
     }
 }
 
-/// Runs `produce` on a thread of its own, which sends batches, and `receive` here for every item in
+/// Runs `produce` on a thread of its own, or on one of the job's, which sends batches, and `receive` here for every item in
 /// order. Besides the batch being made and the one being received at most one more exists.
 ///
 /// # Errors
@@ -24,7 +25,8 @@ pub(super) fn stream<T: Send, P: Send, E: Send>(
 ) -> Result<P, E> {
     std::thread::scope(|scope| {
         let (sender, receiver) = sync_channel(1);
-        let producer = scope.spawn(move || produce(&Sender(sender)));
+        let pool = threads::pool();
+        let producer = scope.spawn(move || threads::on(pool.as_deref(), || produce(&Sender(sender))));
         let received = receiver.into_iter().flatten().try_for_each(&mut receive);
         let produced = match producer.join() {
             Ok(produced) => produced,

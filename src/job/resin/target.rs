@@ -3,10 +3,30 @@
 use crate::job::JobError;
 use crate::job::output::{self, OutputError, OutputFile};
 use crate::resin::{Container, Format, LayerInfo, LayerSink, Print, Totals, stack};
+use crate::settings::Settings;
 use std::fs;
 use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
+
+/// The format of an output, by its name and by what the printer reads.
+///
+/// # Errors
+/// [`JobError::NoFormat`], [`JobError::Settings`] where the printer reads files that cannot be written.
+pub fn format_of(path: &Path, settings: &Settings) -> Result<Format, JobError> {
+    if Format::is_folder(path) {
+        return Ok(Format::PngFolder);
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let extension = match name.rsplit_once('.') {
+        Some(_) if name.ends_with(".svg.zip") => Some("svg.zip"),
+        Some((_, extension)) => Some(extension),
+        // A device such as /dev/null.
+        None => None,
+    };
+    let extension = settings.output_extension(extension)?;
+    Format::of_extension(extension).ok_or_else(|| JobError::NoFormat { path: path.to_owned() })
+}
 
 /// An output that appears when it is committed; dropping it leaves no trace.
 pub(super) struct Target {
