@@ -278,3 +278,35 @@ pub fn read(folder: &Path) -> Result<Vec<Row>, BatchError> {
     let past = read::join(found.into_iter().map(read).collect::<Result<Vec<_>, _>>()?);
     Ok(past.names().filter_map(|name| past.row(name)).collect())
 }
+
+/// A shard's journal in short.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ShardState {
+    /// Whose it is.
+    pub shard: Shard,
+    /// Whether its last run has come to its end in order; otherwise it died or is at work.
+    pub closed: bool,
+    /// Outputs that were being made when a process died, or still are, and that have not ended since.
+    pub in_hand: Vec<String>,
+}
+
+/// The shards whose journals are in a folder, by name.
+///
+/// # Errors
+/// [`BatchError::Input`], [`BatchError::Journal`].
+pub fn shards(folder: &Path) -> Result<Vec<ShardState>, BatchError> {
+    let failed = |source| BatchError::Input { path: folder.join(STATE_FOLDER), source };
+    let mut states = Vec::new();
+    for path in read::journals(folder).map_err(failed)? {
+        let shard = path.file_name().and_then(|name| name.to_str()).and_then(|name| {
+            let (index, count) = name.strip_prefix("journal-")?.strip_suffix(".jsonl")?.split_once("-of-")?;
+            Some(Shard { index: index.parse().ok()?, count: count.parse().ok()? })
+        });
+        let Some(shard) = shard else { continue };
+        let log = read_log(&path)?;
+        let in_hand = log.lost().map(str::to_owned).collect();
+        states.push(ShardState { shard, closed: log.closed, in_hand });
+    }
+    states.sort_by_key(|state| (state.shard.count, state.shard.index));
+    Ok(states)
+}

@@ -32,6 +32,8 @@ pub(super) struct Log {
     pub length: u64,
     /// Whether a job was ever begun.
     pub begun: bool,
+    /// Whether its last run has come to its end in order.
+    pub closed: bool,
     /// The last word about each output.
     rows: BTreeMap<String, Place>,
     /// Names of rows after the last checkpoint.
@@ -98,6 +100,11 @@ impl Log {
         Ok(log)
     }
 
+    /// Names of outputs that were being made when a process died, or still are.
+    pub(super) fn lost(&self) -> impl Iterator<Item = &str> {
+        self.died.keys().map(|(name, _)| name.as_str())
+    }
+
     /// Names of outputs that this shard has begun.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         let begun = self.died.keys().map(|(name, _)| name);
@@ -110,6 +117,7 @@ impl Log {
             Line::Head(Head { run, .. }) => {
                 self.end_run();
                 self.run = run.max(self.run + 1);
+                self.closed = false;
             }
             Line::Record(Record::Started { name, key }) => {
                 self.begun = true;
@@ -127,6 +135,7 @@ impl Log {
             }
             Line::Record(Record::Checkpoint {}) => self.unsynced.clear(),
             Line::Record(Record::Closed {}) => {
+                self.closed = true;
                 self.given_up.extend(std::mem::take(&mut self.hand).into_iter().map(|(name, _)| name));
             }
         }

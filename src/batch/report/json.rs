@@ -28,7 +28,7 @@ pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> io::Result<()> 
         sums: &report.sums,
     };
     let head = serde_json::to_string_pretty(&head)?;
-    write!(out, "{},\n  \"jobs\": [", head.trim_end_matches(['}', '\n']))?;
+    write!(out, "{},\n  \"jobs\": [", head.strip_suffix("\n}").unwrap_or(&head))?;
     for (index, job) in report.jobs.iter().enumerate() {
         out.write_all(if index == 0 { b"\n    " } else { b",\n    " })?;
         serde_json::to_writer(&mut *out, &*writable(job.row))?;

@@ -2,9 +2,9 @@
 
 use super::{Job, Report, Sums, write_all};
 use crate::batch::event::{Row, Totals};
-use crate::batch::{BatchError, STATE_FOLDER, Shard, journal};
+use crate::batch::{BatchError, Shard, journal};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
@@ -36,12 +36,15 @@ pub fn merge(folders: &[PathBuf], output: &Path) -> Result<Merged, BatchError> {
     let mut rows: Vec<(usize, String, Row)> = Vec::new();
     let mut shards: BTreeMap<(u32, u32), usize> = BTreeMap::new();
     for (index, folder) in folders.iter().enumerate() {
+        let known = rows.len();
         rows.extend(journal::read(folder)?.into_iter().map(|row| (index, row.name.clone(), row)));
-        for state in shards_of(folder)? {
+        let ended: BTreeSet<&str> = rows[known..].iter().map(|(_, name, _)| name.as_str()).collect();
+        for state in journal::shards(folder)? {
             let shard = state.shard;
             *shards.entry((shard.count, shard.index)).or_default() += 1;
             merged.add_shard(folder, shard, state.closed)?;
-            merged.unfinished.extend(state.in_hand);
+            // The folder may have been cut into other shards since.
+            merged.unfinished.extend(state.in_hand.into_iter().filter(|name| !ended.contains(name.as_str())));
         }
     }
     name_apart(&mut rows, folders);
@@ -66,30 +69,6 @@ pub fn merge(folders: &[PathBuf], output: &Path) -> Result<Merged, BatchError> {
     };
     write_all(&report, "")?;
     Ok(merged)
-}
-
-/// A shard's journal in short.
-struct State {
-    shard: Shard,
-    closed: bool,
-    in_hand: Vec<String>,
-}
-
-/// The shards whose journals are in a folder.
-fn shards_of(folder: &Path) -> Result<Vec<State>, BatchError> {
-    let path = folder.join(STATE_FOLDER);
-    let failed = |source| BatchError::Input { path: path.clone(), source };
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(&path).map_err(failed)? {
-        let name = entry.map_err(failed)?.file_name();
-        let shard = name.to_str().and_then(|name| {
-            let (index, count) = name.strip_prefix("journal-")?.strip_suffix(".jsonl")?.split_once("-of-")?;
-            Some(Shard { index: index.parse().ok()?, count: count.parse().ok()? })
-        });
-        found.extend(shard.map(|shard| State { shard, closed: true, in_hand: Vec::new() }));
-    }
-    found.sort_by_key(|state| (state.shard.count, state.shard.index));
-    Ok(found)
 }
 
 /// Puts the folder before names that several folders hold.
