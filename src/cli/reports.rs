@@ -37,14 +37,19 @@ pub fn run(args: &ReportArgs) -> Result<(), CliError> {
         let text = people(&merged, &report::page(output, Shard::default()));
         drop(io::stderr().lock().write_all(text.as_bytes()));
     }
+    if !merged.notes.is_empty() {
+        let page = report::page(output, Shard::default());
+        let problem =
+            format!("the batch is not complete: {}; see {}", merged.notes.join("; "), page.display());
+        return Err(CliError::Unfinished(merged.totals.exit_code(), report::plain(&problem)));
+    }
     super::batch::finished(&merged.totals, output, Shard::default())
 }
 
 /// The sums for people.
 fn people(merged: &Merged, page: &Path) -> String {
     let sums = &merged.sums;
-    let mut text: String = merged.notes.iter().map(|note| format!("{}\n", report::plain(note))).collect();
-    text.push_str(&format!("{}: {} done", report::count(sums.jobs, "job", "jobs"), sums.done));
+    let mut text = format!("{}: {} done", report::count(sums.jobs, "job", "jobs"), sums.done);
     for (count, what) in [(sums.failed, "failed"), (sums.quarantined, "quarantined")] {
         if count > 0 {
             text.push_str(&format!(", {count} {what}"));

@@ -4,6 +4,7 @@
 mod bad_input;
 mod batch_inputs;
 mod batch_resume;
+mod batch_report;
 mod golden;
 mod contours;
 mod estimate;

@@ -84,12 +84,12 @@ impl Child {
         place: (usize, u64),
         post: &Post,
     ) -> io::Result<Self> {
-        let mut process = Command::new(program)
-            .args(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()?;
+        let mut command = Command::new(program);
+        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        // Ctrl-C goes to a terminal's whole group; it is for us to say when workers end.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mut process = command.spawn()?;
         let (output, errors) = (process.stdout.take(), process.stderr.take());
         let (sender, last_words) = channel();
         let child = Self { input: process.stdin.take(), process, last_words, serial: place.1 };

@@ -166,6 +166,7 @@ impl Merged {
             );
             self.notes.push(format!("{what}: {}{more}", list.join(", ")));
         }
+        self.totals.left = self.totals.left.max(self.unfinished.len());
         if !self.notes.is_empty() {
             self.totals.stopped = Some("not all shards have come to their end".to_owned());
         }
