@@ -75,26 +75,35 @@ pub(super) fn prefix(target: &Path) -> String {
     format!(".{}.", target.file_name().unwrap_or_default().to_string_lossy())
 }
 
-/// Removes what killed processes have left beside an output that they were making, files and folders. Not to
-/// be called while another process makes the same output. What cannot be removed stays.
-pub fn sweep(target: &Path) {
-    let target = std::fs::canonicalize(target).unwrap_or_else(|_| target.to_owned());
-    let prefix = prefix(&target);
-    let Ok(entries) = std::fs::read_dir(folder_of(&target)) else { return };
-    for entry in entries.flatten() {
+/// What killed processes have left in a folder of files and folders that they were making, each after what it
+/// was to become. What others are making at the moment is among it.
+pub fn leftovers(folder: &Path) -> Vec<(PathBuf, PathBuf)> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let found = entries.flatten().filter_map(|entry| {
         let name = entry.file_name();
-        let word = name.to_str().and_then(|name| {
-            let rest = name.strip_prefix(prefix.as_str())?;
-            rest.strip_suffix(PART).or_else(|| rest.strip_suffix(OLD))
-        });
-        // Other outputs may have names that go on with a dot.
-        if !word.is_some_and(|word| !word.is_empty() && word.bytes().all(|b| b.is_ascii_alphanumeric())) {
-            continue;
+        let name = name.to_str()?.strip_prefix('.')?;
+        let name = name.strip_suffix(PART).or_else(|| name.strip_suffix(OLD))?;
+        let (target, word) = name.rsplit_once('.')?;
+        let ours = !target.is_empty() && !word.is_empty() && word.bytes().all(|b| b.is_ascii_alphanumeric());
+        ours.then(|| (folder.join(target), entry.path()))
+    });
+    found.collect()
+}
+
+/// Removes a leftover, as far as possible.
+pub fn remove(leftover: &Path) {
+    drop(match std::fs::symlink_metadata(leftover) {
+        Ok(meta) if meta.is_dir() => std::fs::remove_dir_all(leftover),
+        _ => std::fs::remove_file(leftover),
+    });
+}
+
+/// Removes all that killed processes have left of one output. Nobody may be making it at the moment.
+pub fn sweep(target: &Path) {
+    for (other, leftover) in leftovers(folder_of(target)) {
+        if other.file_name() == target.file_name() {
+            remove(&leftover);
         }
-        drop(match entry.file_type() {
-            Ok(kind) if kind.is_dir() => std::fs::remove_dir_all(entry.path()),
-            _ => std::fs::remove_file(entry.path()),
-        });
     }
 }
 

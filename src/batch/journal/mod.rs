@@ -2,8 +2,8 @@
 //!
 //! A journal is a file of JSON lines, `DIR/.microtome/journal-I-of-N.jsonl`, to which one process appends:
 //!
-//! - `{"journal":1,"run":3,"version":"0.1.0","shard":{"index":1,"count":1}}` begins a run; `journal` is the
-//!   format, `run` orders the runs of all journals in the folder,
+//! - `{"journal":1,"run":1767225600000,"version":"0.1.0","shard":{"index":1,"count":1}}` begins a run; `journal` is the
+//!   format, `run` tells the order of runs,
 //! - `{"started":{"name":"a.gcode","key":"…","attempt":1}}` before a worker begins a try,
 //! - `{"ended":{…}}` with a whole [`Row`] when a job is done, has failed, or is put into quarantine,
 //! - `{"checkpoint":{}}` when all outputs and lines above have reached the disk,
@@ -16,6 +16,7 @@
 
 mod content;
 mod disk;
+mod leftovers;
 mod past;
 mod read;
 mod record;
@@ -29,15 +30,16 @@ use super::event::Row;
 use super::key::Key;
 use super::shard::Shard;
 use super::{BatchError, STATE_FOLDER};
-use crate::job::output;
 use disk::Lock;
+use leftovers::Leftovers;
 use read::Log;
-use record::{FORMAT, Head, Record, Started};
+use record::{Entry, FORMAT, Head};
 use serde::Serialize;
-use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// An open journal of one shard, to which only this process appends.
 #[derive(Debug)]
@@ -49,23 +51,23 @@ pub struct Journal {
     /// A record is half written and could not be taken back: nothing may follow it.
     torn: bool,
     /// The folder of the outputs.
+    folder: PathBuf,
+    /// The same, open.
     #[cfg(target_os = "linux")]
-    folder: File,
+    root: File,
     /// Outputs since the last checkpoint.
     #[cfg(not(target_os = "linux"))]
     outputs: Vec<PathBuf>,
-    #[cfg(not(target_os = "linux"))]
-    folder: PathBuf,
+    leftovers: Leftovers,
     /// Whether there are rows since the last checkpoint.
     unsynced: bool,
     warning: Option<String>,
 }
 
 impl Journal {
-    /// Opens `folder/.microtome/journal-I-of-N.jsonl` for appending, locks it, and reads all journals there.
-    /// Makes the folders. Without `resume` nothing is told of the past; with `restart` an earlier journal of
-    /// the shard is renamed to `.old`. Leftovers of outputs that were being put in place when a process died
-    /// are removed.
+    /// Opens `folder/.microtome/journal-I-of-N.jsonl` for appending and locks it; makes the folders. With
+    /// `resume` the past is what it says, and what journals of another number of shards say; those of the same
+    /// number concern other jobs. With `restart` an earlier journal of the shard is renamed to `.old`.
     ///
     /// # Errors
     /// [`BatchError::NotFresh`] where the shard has begun already and neither `resume` nor `restart` is given,
@@ -82,10 +84,10 @@ impl Journal {
         std::fs::create_dir_all(&state)
             .map_err(|source| BatchError::Write { path: state.clone(), source })?;
         let (mut file, warning) = locked(folder, &path)?;
-        let mut lost = Vec::new();
+        let mut names = BTreeSet::new();
         if restart && file.metadata().map_err(failed)?.len() > 0 {
             // However damaged it is, it is put aside.
-            lost.extend(Log::read(&path, &file).iter().flat_map(Log::lost).map(str::to_owned));
+            names.extend(Log::read(&path, &file).iter().flat_map(Log::names).map(str::to_owned));
             std::fs::rename(&path, path.with_extension("jsonl.old")).map_err(failed)?;
             // The old lock is held until the new one is, and the new one tells whether it came too late.
             file = locked(folder, &path)?.0;
@@ -96,39 +98,33 @@ impl Journal {
             return Err(BatchError::NotFresh { folder: folder.to_owned() });
         }
         let length = own.length;
-        lost.extend(own.lost().map(str::to_owned));
-        let mut logs = vec![own];
+        let mut logs = vec![(path.clone(), own)];
         let siblings = format!("-of-{}.jsonl", shard.count);
-        for other in read::journals(folder).map_err(failed)? {
-            if other == path {
-                continue;
-            }
-            let log = read_log(&other)?;
-            // Other shards of the same batch may be at work, and see to their own.
+        for other in read::journals(folder).map_err(failed)?.into_iter().filter(|_| resume) {
             if !other.to_string_lossy().ends_with(&siblings) {
-                lost.extend(log.lost().map(str::to_owned));
+                let log = read_log(&other)?;
+                logs.push((other, log));
             }
-            logs.push(log);
         }
-        let run = logs.iter().map(|log| log.run).max().unwrap_or_default() + 1;
-        let past = read::join(logs);
-        for name in lost {
-            output::sweep(&folder.join(&name));
-            output::sweep(&state.join("pictures").join(name + ".png"));
-        }
+        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_millis();
+        let earlier = logs.iter().map(|(_, log)| log.run).max().unwrap_or_default();
+        let run = u64::try_from(now).unwrap_or_default().max(earlier + 1);
+        let names = names.iter().map(String::as_str);
+        let leftovers = Leftovers::find(folder, names.chain(logs.iter().flat_map(|(_, log)| log.names())));
+        let past = if resume { read::join(logs) } else { Past::default() };
 
         file.set_len(length).map_err(failed)?;
         let mut journal = Self {
             file,
             length,
             torn: false,
+            folder: folder.to_owned(),
             #[cfg(target_os = "linux")]
-            folder: File::open(folder)
+            root: File::open(folder)
                 .map_err(|source| BatchError::Write { path: folder.to_owned(), source })?,
             #[cfg(not(target_os = "linux"))]
             outputs: Vec::new(),
-            #[cfg(not(target_os = "linux"))]
-            folder: folder.to_owned(),
+            leftovers,
             unsynced: false,
             warning,
             path,
@@ -141,7 +137,7 @@ impl Journal {
                 disk::sync_folder(new);
             }
         }
-        Ok((journal, if resume { past } else { Past::default() }))
+        Ok((journal, past))
     }
 
     /// What the user should know: nothing keeps another process from working in the same folder.
@@ -154,8 +150,8 @@ impl Journal {
     /// # Errors
     /// [`BatchError::Write`].
     pub fn started(&mut self, name: &str, key: &Key, attempt: u32) -> Result<(), BatchError> {
-        let started = Started { name: Cow::Borrowed(name), key: Cow::Borrowed(key), attempt };
-        self.append(&Record::Started(started))
+        self.leftovers.remove(&self.folder, name);
+        self.append(&Entry::Started { name, key, attempt })
     }
 
     /// A job has ended, well or badly. Survives the death of this process at once, and the loss of power after
@@ -164,7 +160,8 @@ impl Journal {
     /// # Errors
     /// [`BatchError::Write`].
     pub fn ended(&mut self, row: &Row) -> Result<(), BatchError> {
-        self.append(&Record::Ended(Cow::Borrowed(row)))?;
+        self.leftovers.remove(&self.folder, &row.name);
+        self.append(&Entry::Ended(row))?;
         self.unsynced = true;
         #[cfg(not(target_os = "linux"))]
         if row.outcome.is_some() && !row.request.estimate {
@@ -184,7 +181,7 @@ impl Journal {
         self.sync_outputs().map_err(|e| self.failed(e))?;
         // The lines above too, before the line that says so.
         self.file.sync_data().map_err(|e| self.failed(e))?;
-        self.append(&Record::Checkpoint {})?;
+        self.append(&Entry::Checkpoint {})?;
         self.file.sync_data().map_err(|e| self.failed(e))?;
         self.unsynced = false;
         Ok(())
@@ -192,7 +189,7 @@ impl Journal {
 
     #[cfg(target_os = "linux")]
     fn sync_outputs(&self) -> io::Result<()> {
-        disk::sync_file_system(&self.folder)
+        disk::sync_file_system(&self.root)
     }
 
     #[cfg(not(target_os = "linux"))]
@@ -238,7 +235,7 @@ impl Drop for Journal {
     fn drop(&mut self) {
         if !std::thread::panicking() {
             // Without it the tries in hand count as lost with the process, which errs on the safe side.
-            drop(self.append(&Record::Closed {}));
+            drop(self.append(&Entry::Closed {}));
         }
     }
 }
@@ -277,8 +274,9 @@ pub fn read(folder: &Path) -> Result<Vec<Row>, BatchError> {
     if found.is_empty() {
         return Err(missing(io::ErrorKind::NotFound.into()));
     }
-    let logs = found.iter().map(|path| read_log(path)).collect::<Result<Vec<_>, _>>()?;
-    Ok(read::join(logs).rows.into_values().collect())
+    let read = |path: PathBuf| read_log(&path).map(|log| (path, log));
+    let past = read::join(found.into_iter().map(read).collect::<Result<Vec<_>, _>>()?);
+    Ok(past.names().filter_map(|name| past.row(name)).collect())
 }
 
 /// A shard's journal in short.

@@ -2,19 +2,31 @@
 
 use super::past::Past;
 use super::record::{FORMAT, Head, Line, Record, Wrong};
-use crate::batch::event::{Row, Status};
+use crate::batch::event::Status;
 use crate::batch::key::Key;
 use crate::batch::{BatchError, STATE_FOLDER};
-use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
+/// Where a row is, and how it ranks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// Number of the journal.
+    pub journal: u32,
+    /// Length of the line \[bytes\].
+    pub length: u32,
+    /// Where the line begins \[bytes\].
+    pub offset: u64,
+    run: u64,
+    done: bool,
+}
+
 /// What one journal says.
 #[derive(Debug, Default)]
 pub(super) struct Log {
-    /// Number of its last run; 0 where it has none.
+    /// Its last run; 0 where it has none.
     pub run: u64,
     /// Length of its sound lines \[bytes\]; what follows is torn.
     pub length: u64,
@@ -22,14 +34,16 @@ pub(super) struct Log {
     pub begun: bool,
     /// Whether its last run has come to its end in order.
     pub closed: bool,
-    /// The last word about each output, with the run that said it.
-    rows: BTreeMap<String, (u64, Row)>,
+    /// The last word about each output.
+    rows: BTreeMap<String, Place>,
     /// Names of rows after the last checkpoint.
     unsynced: BTreeSet<String>,
     /// Tries in hand at deaths: how many, and the run of the last.
     died: BTreeMap<(String, Key), (u32, u64)>,
     /// Tries in hand.
     hand: BTreeSet<(String, Key)>,
+    /// Names of outputs that were in hand at an orderly end.
+    given_up: BTreeSet<String>,
 }
 
 /// No sound line is longer.
@@ -71,13 +85,13 @@ impl Log {
                 (Err(Wrong::Damaged(problem)), None) => damage = Some((number, problem)),
                 // What came before a checkpoint had reached the disk, so it was not a torn write.
                 (Ok(Line::Record(record)), Some((line, problem)))
-                    if matches!(*record, Record::Checkpoint {}) =>
+                    if matches!(record, Record::Checkpoint {}) =>
                 {
                     return Err(at(*line, problem.clone()));
                 }
                 (_, Some(_)) => {}
                 (Ok(line), None) => {
-                    log.add(line);
+                    log.add(line, offset);
                     log.length = offset;
                 }
             }
@@ -86,39 +100,43 @@ impl Log {
         Ok(log)
     }
 
-    /// Names of outputs that were being made when a process died.
+    /// Names of outputs that were being made when a process died, or still are.
     pub(super) fn lost(&self) -> impl Iterator<Item = &str> {
         self.died.keys().map(|(name, _)| name.as_str())
     }
 
-    fn add(&mut self, line: Line) {
-        let record = match line {
+    /// Names of outputs that this shard has begun.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        let begun = self.died.keys().map(|(name, _)| name);
+        begun.chain(&self.given_up).chain(self.rows.keys()).map(String::as_str)
+    }
+
+    /// Takes in a line that ends at `end`.
+    fn add(&mut self, line: Line<'_>, end: u64) {
+        match line {
             Line::Head(Head { run, .. }) => {
                 self.end_run();
                 self.run = run.max(self.run + 1);
                 self.closed = false;
-                return;
             }
-            Line::Record(record) => *record,
-        };
-        match record {
-            Record::Started(started) => {
+            Line::Record(Record::Started { name, key }) => {
                 self.begun = true;
-                self.hand.insert((started.name.into_owned(), started.key.into_owned()));
+                self.hand.insert((name.into_owned(), key));
             }
-            Record::Ended(row) => {
+            Line::Record(Record::Ended { name, key, status }) => {
                 self.begun = true;
-                let row = row.into_owned();
-                let job = (row.name.clone(), row.key.clone());
+                let job = (name.into_owned(), key);
                 self.hand.remove(&job);
                 self.died.remove(&job);
                 self.unsynced.insert(job.0.clone());
-                self.rows.insert(job.0, (self.run, row));
+                let length = u32::try_from(end - self.length).unwrap_or(u32::MAX);
+                let (run, done) = (self.run, status == Status::Done);
+                self.rows.insert(job.0, Place { journal: 0, length, offset: self.length, run, done });
             }
-            Record::Checkpoint {} => self.unsynced.clear(),
-            Record::Closed {} => {
-                self.hand.clear();
+            Line::Record(Record::Checkpoint {}) => self.unsynced.clear(),
+            Line::Record(Record::Closed {}) => {
                 self.closed = true;
+                self.given_up.extend(std::mem::take(&mut self.hand).into_iter().map(|(name, _)| name));
             }
         }
     }
@@ -142,32 +160,22 @@ fn next(reader: &mut impl BufRead, line: &mut Vec<u8>) -> io::Result<bool> {
 
 /// Joins what several journals say. The last word about an output is that of the latest run; where two runs of
 /// different shards have the same number, done beats failed.
-pub(super) fn join(logs: impl IntoIterator<Item = Log>) -> Past {
-    let mut rows: BTreeMap<String, (u64, Row)> = BTreeMap::new();
+pub(super) fn join(logs: impl IntoIterator<Item = (PathBuf, Log)>) -> Past {
     let mut died: BTreeMap<(String, Key), (u32, u64)> = BTreeMap::new();
     let mut past = Past::default();
-    for log in logs {
-        let mut unsynced = log.unsynced;
-        for (name, (run, row)) in log.rows {
-            let fresh = unsynced.remove(&name);
-            let rank = |run: u64, row: &Row| (run, row.status == Status::Done);
-            match rows.entry(name) {
-                Entry::Occupied(old) if rank(old.get().0, &old.get().1) >= rank(run, &row) => continue,
-                Entry::Occupied(mut old) => {
-                    if fresh {
-                        past.unsynced.insert(old.key().clone());
-                    } else {
-                        past.unsynced.remove(old.key());
-                    }
-                    old.insert((run, row));
-                }
-                Entry::Vacant(place) => {
-                    if fresh {
-                        past.unsynced.insert(place.key().clone());
-                    }
-                    place.insert((run, row));
-                }
+    for (number, (path, log)) in (0..).zip(logs) {
+        past.journals.push(path);
+        for (name, place) in log.rows {
+            let rank = |place: &Place| (place.run, place.done);
+            if past.rows.get(&name).is_some_and(|other| rank(other) >= rank(&place)) {
+                continue;
             }
+            if log.unsynced.contains(&name) {
+                past.unsynced.insert(name.clone());
+            } else {
+                past.unsynced.remove(&name);
+            }
+            past.rows.insert(name, Place { journal: number, ..place });
         }
         for (job, (times, run)) in log.died {
             let (all, last) = died.entry(job).or_default();
@@ -176,13 +184,11 @@ pub(super) fn join(logs: impl IntoIterator<Item = Log>) -> Past {
         }
     }
     for (job, (times, run)) in died {
-        // Ended since, in another shard.
-        if rows.get(&job.0).is_some_and(|(ended, row)| *ended > run && row.key == job.1) {
-            continue;
+        // Unless it has ended since, in another shard.
+        if past.rows.get(&job.0).is_none_or(|row| row.run <= run) {
+            past.died.insert(job, times);
         }
-        past.died.insert(job, times);
     }
-    past.rows = rows.into_iter().map(|(name, (_, row))| (name, row)).collect();
     past
 }
 

@@ -1,6 +1,6 @@
 //! The lines of a journal.
 
-use crate::batch::event::Row;
+use crate::batch::event::{Row, Status};
 use crate::batch::key::Key;
 use crate::batch::shard::Shard;
 use serde::{Deserialize, Serialize};
@@ -14,8 +14,9 @@ pub(super) const FORMAT: u32 = 1;
 pub(super) struct Head {
     /// The format, [`FORMAT`].
     pub journal: u32,
-    /// Number of the run: above those of all runs whose journals lay in the folder when it began. Tells the
-    /// order of runs of several journals without a clock (Lamport, 1978).
+    /// Tells the order of runs: milliseconds since 1970, or one more than the latest run that was read, if
+    /// that is later. So a clock that is wrong does not turn the order of runs that knew of each other (a
+    /// hybrid logical clock: Kulkarni and others, "Logical physical clocks", 2014).
     pub run: u64,
     /// The program's version.
     pub version: String,
@@ -23,34 +24,50 @@ pub(super) struct Head {
     pub shard: Shard,
 }
 
-/// A try begins.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Started<'a> {
-    pub name: Cow<'a, str>,
-    pub key: Cow<'a, Key>,
-    pub attempt: u32,
-}
-
-/// All lines but heads.
-#[expect(clippy::large_enum_variant, reason = "there is one at a time")]
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// All lines but heads, as written.
+#[derive(Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Record<'a> {
+pub(super) enum Entry<'a> {
     /// `{"started":{"name":"a.gcode","key":"…","attempt":1}}`
-    Started(Started<'a>),
-    /// `{"ended":{…}}`: a row.
-    Ended(Cow<'a, Row>),
+    Started { name: &'a str, key: &'a Key, attempt: u32 },
+    /// `{"ended":{…}}`
+    Ended(&'a Row),
     /// `{"checkpoint":{}}`: all outputs of the lines above, and these lines, have reached the disk.
     Checkpoint {},
     /// `{"closed":{}}`: the run has come to its end in order; what was in hand was given up.
     Closed {},
 }
 
+/// The same, as read; of rows only what tells which.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Record<'a> {
+    Started {
+        #[serde(borrow)]
+        name: Cow<'a, str>,
+        key: Key,
+    },
+    Ended {
+        #[serde(borrow)]
+        name: Cow<'a, str>,
+        key: Key,
+        status: Status,
+    },
+    Checkpoint {},
+    Closed {},
+}
+
+/// A line with a row.
+#[derive(Debug, Deserialize)]
+pub(super) struct Ended {
+    pub ended: Row,
+}
+
 /// A line as read.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Line {
+#[derive(Debug)]
+pub(super) enum Line<'a> {
     Head(Head),
-    Record(Box<Record<'static>>),
+    Record(Record<'a>),
 }
 
 /// Of a head, what every format has.
@@ -68,12 +85,12 @@ pub(super) enum Wrong {
     OtherFormat(u32),
 }
 
-impl Line {
+impl<'a> Line<'a> {
     /// Reads a line without its line feed.
-    pub(super) fn parse(line: &[u8]) -> Result<Self, Wrong> {
+    pub(super) fn parse(line: &'a [u8]) -> Result<Self, Wrong> {
         let damaged = |e: serde_json::Error| Wrong::Damaged(e.to_string());
         if !line.starts_with(br#"{"journal""#) {
-            return serde_json::from_slice(line).map(|r| Self::Record(Box::new(r))).map_err(damaged);
+            return serde_json::from_slice(line).map(Self::Record).map_err(damaged);
         }
         match serde_json::from_slice::<Format>(line).map_err(damaged)?.journal {
             FORMAT => serde_json::from_slice(line).map(Self::Head).map_err(damaged),

@@ -61,7 +61,7 @@ fn kill(journal: Journal) {
 fn killed() -> TempDir {
     let dir = tempfile::tempdir().unwrap();
     let (mut journal, past) = open(dir.path());
-    assert!(past.rows.is_empty());
+    assert_eq!(past.names().count(), 0);
     for (name, status) in [("a", Status::Done), ("b", Status::Failed), ("c", Status::Done)] {
         journal.started(name, &key("1"), 1).unwrap();
         journal.ended(&row(dir.path(), name, "1", status)).unwrap();
@@ -81,8 +81,12 @@ fn a_later_run_finds_what_was_done_and_what_was_in_hand() {
     let text = fs::read_to_string(file(dir.path())).unwrap();
     assert_eq!(text.lines().count(), 1 + 6 + 1 + 1, "a checkpoint without news writes nothing:\n{text}");
     let (_journal, past) = open(dir.path());
-    assert_eq!(past.rows.keys().collect::<Vec<_>>(), ["a", "b", "c"]);
-    assert_eq!(past.rows["a"], row(dir.path(), "a", "1", Status::Done), "rows come back as they were");
+    assert_eq!(past.names().collect::<Vec<_>>(), ["a", "b", "c"]);
+    assert_eq!(
+        past.row("a").unwrap(),
+        row(dir.path(), "a", "1", Status::Done),
+        "rows come back as they were"
+    );
     assert_eq!(past.unsynced.iter().collect::<Vec<_>>(), ["c"]);
     assert_eq!(past.died.iter().collect::<Vec<_>>(), [(&("d".to_owned(), key("1")), &1)]);
     for name in ["a", "b", "c"] {
@@ -154,14 +158,14 @@ fn a_tail_torn_at_any_byte_is_cut_and_the_rest_kept() {
             let (mut journal, past) =
                 Journal::open(dir.path(), ONE, true, false).unwrap_or_else(|e| panic!("{length}: {e}"));
             for name in ["a", "b", "c"] {
-                assert_eq!(past.rows.contains_key(name), ended(name), "{name} at {length}");
+                assert_eq!(past.row(name).is_some(), ended(name), "{name} at {length}");
             }
             journal.ended(&row(dir.path(), "z", "1", Status::Done)).unwrap();
             kill(journal);
             let text = fs::read_to_string(&path).unwrap();
             assert_eq!(text.as_bytes()[..sound], whole[..sound]);
             assert_eq!(text[sound..].lines().count(), 2, "a head and a row follow what was sound:\n{text}");
-            assert!(open(dir.path()).1.rows.contains_key("z"));
+            assert!(open(dir.path()).1.row("z").is_some());
         }
     }
 }
@@ -186,7 +190,7 @@ fn damage_before_a_checkpoint_is_an_error_with_its_line() {
         assert!(error.to_string().contains("journal-1-of-1.jsonl:"), "{error}");
     }
     // The same after it is cut off.
-    assert!(with(6, "x").is_ok_and(|(_, past)| !past.rows.contains_key("c")));
+    assert!(with(6, "x").is_ok_and(|(_, past)| past.row("c").is_none()));
     // Another format is never cut off, nor is a file that is no journal.
     let other = lines[0].replace("{\"journal\":1,", "{\"journal\":2,");
     let error = with(0, &other).unwrap_err().to_string();
@@ -283,13 +287,11 @@ fn restart_puts_the_journal_aside_and_knows_nothing() {
     let old = fs::read(file(dir.path())).unwrap();
     let (mut other, _) = Journal::open(dir.path(), Shard { index: 2, count: 2 }, false, false).unwrap();
     other.ended(&row(dir.path(), "o", "1", Status::Done)).unwrap();
-    fs::write(dir.path().join(".d.17.part"), "whole, but for the rename").unwrap();
     let (journal, past) = Journal::open(dir.path(), ONE, false, true).unwrap();
-    assert!(past.rows.is_empty() && past.died.is_empty());
-    assert!(!dir.path().join(".d.17.part").exists(), "what the killed process left is removed");
+    assert!(past.names().count() == 0 && past.died.is_empty());
     kill(journal);
     assert_eq!(fs::read(state.join("journal-1-of-1.jsonl.old")).unwrap(), old);
-    assert_eq!(open(dir.path()).1.rows.keys().collect::<Vec<_>>(), ["o"], "other shards are untouched");
+    assert_eq!(open(dir.path()).1.names().collect::<Vec<_>>(), ["o"], "other shards are untouched");
     drop(Journal::open(dir.path(), ONE, false, true).unwrap());
     assert_eq!(fs::read_dir(&state).unwrap().count(), 3, "one old journal is kept");
 }
@@ -306,37 +308,56 @@ fn the_latest_run_has_the_last_word_whatever_the_shard() {
     say(2, 2, "1", Status::Done);
     say(1, 1, "2", Status::Failed);
     let past = open(dir.path()).1;
-    assert_eq!((past.rows["a"].status, &past.rows["a"].key), (Status::Failed, &key("2")));
+    let last = past.row("a").unwrap();
+    assert_eq!((last.status, last.key), (Status::Failed, key("2")));
     say(2, 2, "3", Status::Done);
     let past = open(dir.path()).1;
-    assert_eq!(past.rows["a"].key, key("3"));
+    assert_eq!(past.row("a").unwrap().key, key("3"));
     assert!(past.unsynced.contains("a") && past.died.is_empty());
 
-    // Two shards at work at the same time: their runs have the same number.
+    // Two shards at work at the same time, whose runs have the same number.
     let dir = tempfile::tempdir().unwrap();
-    let shard = |index| Journal::open(dir.path(), Shard { index, count: 2 }, true, false).unwrap().0;
-    let mut both = [shard(1), shard(2)];
-    let text = |index| {
-        fs::read_to_string(dir.path().join(STATE_FOLDER).join(format!("journal-{index}-of-2.jsonl"))).unwrap()
-    };
-    fs::write(
-        dir.path().join(STATE_FOLDER).join("journal-2-of-2.jsonl"),
-        text(2).replace("\"run\":2", "\"run\":1"),
-    )
-    .unwrap();
+    let mut both = [1, 2].map(|index| {
+        let (journal, _) = Journal::open(dir.path(), Shard { index, count: 2 }, true, false).unwrap();
+        let text = fs::read_to_string(&journal.path).unwrap();
+        let at = text.find("\"run\":").unwrap() + 6;
+        fs::write(&journal.path, text[..at].to_owned() + "7" + &text[at + 13..]).unwrap();
+        journal
+    });
     both[1].ended(&row(dir.path(), "a", "1", Status::Failed)).unwrap();
     both[0].ended(&row(dir.path(), "a", "1", Status::Done)).unwrap();
     both[0].checkpoint().unwrap();
     both[0].started("b", &key("1"), 1).unwrap();
     both.into_iter().for_each(kill);
     let past = open(dir.path()).1;
-    assert_eq!(past.rows["a"].status, Status::Done);
+    assert_eq!(past.row("a").unwrap().status, Status::Done);
     assert!(past.unsynced.is_empty() && past.died.len() == 1);
     // The whole batch, done later, clears what a shard left in hand.
     let (mut journal, _) = open(dir.path());
     journal.ended(&row(dir.path(), "b", "1", Status::Done)).unwrap();
     kill(journal);
     assert!(open(dir.path()).1.died.is_empty());
+}
+
+#[test]
+fn what_killed_processes_left_goes_when_the_job_is_taken_up_again() {
+    let dir = killed();
+    let pictures = dir.path().join(STATE_FOLDER).join("pictures");
+    fs::create_dir_all(&pictures).unwrap();
+    let left = [dir.path().join(".d.17.part"), pictures.join(".d.png.17.part"), dir.path().join(".a.x.part")];
+    left.iter().for_each(|path| fs::write(path, "whole, but for the rename").unwrap());
+    let others = dir.path().join(".other.x.part");
+    fs::write(&others, "of another shard at work").unwrap();
+    let (mut journal, _) = open(dir.path());
+    // Its own, made after that.
+    fs::write(dir.path().join(".a.18.part"), "").unwrap();
+    let exist = |journal: &Journal| left.each_ref().map(|path| journal.path.exists() && path.exists());
+    assert_eq!(exist(&journal), [true; 3]);
+    journal.started("d", &key("1"), 1).unwrap();
+    assert_eq!(exist(&journal), [false, false, true]);
+    journal.ended(&row(dir.path(), "a", "2", Status::Done)).unwrap();
+    assert_eq!(exist(&journal), [false; 3]);
+    assert!(others.exists() && dir.path().join(".a.18.part").exists());
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::batch::options::BatchOptions;
 use crate::batch::pool::{Death, Meaning, News, Pool, RETIRE_BYTES, Said, Sentence, Slot, Task, memory};
 use crate::batch::schedule::{Claim, Estimator, Load, Schedule, Start, Turn};
 use crate::batch::{BatchError, Item, STATE_FOLDER};
-use crate::job::FailureKind;
+use crate::job::{FailureKind, output};
 use crate::slicer::{Failure, Outcome, Request};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -215,9 +215,7 @@ impl<'a> Floor<'a> {
     /// What a worker is asked for; makes the folders that it needs.
     fn request(&mut self, item: &Item, start: &Start) -> Result<Request, Failure> {
         let mut request = intake::request(item, self.options);
-        let picture =
-            self.options.folder.join(STATE_FOLDER).join("pictures").join(format!("{}.png", item.name));
-        request.picture = self.options.pictures.then_some(picture);
+        request.picture = self.options.pictures.then(|| self.picture(item));
         request.threads = Some(u16::try_from(start.threads).unwrap_or(u16::MAX));
         request.expect = self.jobs.get(&start.job).map(|job| job.identity.content.stat);
         for path in [&request.output, &request.picture].into_iter().flatten() {
@@ -226,6 +224,10 @@ impl<'a> Floor<'a> {
             }
         }
         Ok(request)
+    }
+
+    fn picture(&self, item: &Item) -> PathBuf {
+        self.options.folder.join(STATE_FOLDER).join("pictures").join(format!("{}.png", item.name))
     }
 
     /// A worker has something to say.
@@ -295,6 +297,11 @@ impl<'a> Floor<'a> {
         }
         self.book.totals.workers_lost += 1;
         self.book.tell(&Event::WorkerLost { worker, reason: &death.reason });
+        // A worker that is killed may leave unfinished files; what waited may just have been begun.
+        for item in death.hand.iter().filter_map(|task| self.items.get(task.job)) {
+            output::sweep(&self.options.folder.join(&item.name));
+            output::sweep(&self.picture(item));
+        }
         // What waited was never begun.
         for task in death.hand.iter().skip(1) {
             self.wait_again(task.job);

@@ -104,7 +104,7 @@ fn known(item: &Item, keys: &Keys, options: &BatchOptions, past: &Past) -> Known
     }
     match past.standing(&item.name, &key, &options.folder) {
         Some(row) if row.outcome.is_some() || !options.retry_failed => {
-            return Known::Stands(Box::new(row.clone()));
+            return Known::Stands(Box::new(row));
         }
         _ => {}
     }
