@@ -58,7 +58,8 @@ pub struct Outcome {
 }
 
 /// A request that could not be done.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
+#[error("{message}")]
 pub struct Failure {
     /// What it is about.
     pub kind: FailureKind,
