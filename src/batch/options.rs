@@ -44,4 +44,7 @@ pub struct BatchOptions {
     pub estimate: bool,
     /// The program that works; `microtome` itself.
     pub worker: PathBuf,
+    /// A failure that GPUs of workers play, as for `microtome worker --fault`, for trying out what follows from it.
+    #[doc(hidden)]
+    pub fault: Option<String>,
 }

@@ -117,6 +117,7 @@ struct Staff {
     program: PathBuf,
     backend: BackendOptions,
     device_workers: usize,
+    fault: Option<String>,
     post: Post,
     serial: u64,
 }
@@ -145,6 +146,9 @@ impl Staff {
         if let Some(bytes) = self.backend.memory {
             all.extend(["--memory".into(), bytes.to_string().into()]);
         }
+        if let Some(fault) = self.fault.as_ref().filter(|_| backend != "cpu") {
+            all.extend(["--fault".into(), fault.into()]);
+        }
         all
     }
 }
@@ -159,6 +163,7 @@ impl Pool {
             program: options.worker.clone(),
             backend: options.backend.clone(),
             device_workers: options.device_workers,
+            fault: options.fault.clone(),
             post,
             serial: 0,
         };

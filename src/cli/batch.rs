@@ -84,6 +84,10 @@ pub struct BatchArgs {
     /// With --backend auto: worker processes that may hold a GPU
     #[arg(long, value_name = "N", default_value_t = 2)]
     pub device_workers: u16,
+    /// A failure that the workers' GPUs play, as for `worker`
+    #[cfg(feature = "gpu")]
+    #[arg(long, value_name = "SPEC", hide = true)]
+    pub fault: Option<String>,
     /// No pictures of layers in the report
     #[arg(long)]
     pub no_pictures: bool,
@@ -230,6 +234,10 @@ impl BatchArgs {
             pictures: !self.no_pictures,
             estimate: self.estimate_only,
             worker: std::env::current_exe().map_err(BatchError::Worker)?,
+            #[cfg(feature = "gpu")]
+            fault: self.fault.clone(),
+            #[cfg(not(feature = "gpu"))]
+            fault: None,
         })
     }
 }

@@ -13,7 +13,42 @@ pub const TESTS: &[Test] = &[
     ("mask_files_equal_the_cpu's", masks),
     ("mask_files_survive_a_failing_device", failing),
     ("a_missing_gpu_is_exit_code_5_without_a_file", missing),
+    ("a_batch_survives_a_lost_device", batch),
 ];
+
+/// The outputs of a batch of a few models, by name, and what its journal says.
+fn outputs(folder: &Path, out: &str, more: &[&str]) -> Result<(Vec<Vec<u8>>, String), Failed> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_microtome"));
+    command.args(["batch", "in", "--threads", "1", "-o", out]).args(more).current_dir(folder);
+    let done = command.env_remove("SOURCE_DATE_EPOCH").output()?;
+    ensure(done.status.success(), String::from_utf8_lossy(&done.stderr).into_owned())?;
+    let out = folder.join(out);
+    let files = (0..6).map(|i| std::fs::read(out.join(format!("{i}.gcode")))).collect::<Result<_, _>>()?;
+    Ok((files, std::fs::read_to_string(out.join(".microtome/journal-1-of-1.jsonl"))?))
+}
+
+/// A device is lost in the middle of a batch: by itself the worker goes on with the CPU and then a new device;
+/// where a GPU is demanded the job is tried again.
+fn batch(bench: &Bench) -> Result<(), Failed> {
+    let adapter = bench.adapter.info.name.as_str();
+    let dir = tempfile::tempdir()?;
+    std::fs::create_dir(dir.path().join("in"))?;
+    for i in 0..6 {
+        let mut stl = Vec::new();
+        write_stl_binary(&shapes::sphere(5.0 + f64::from(i), 60, 40), &mut stl)?;
+        std::fs::write(dir.path().join(format!("in/{i}.stl")), stl)?;
+    }
+    let (cpu, _) = outputs(dir.path(), "cpu", &["--backend", "cpu"])?;
+    let lost = |backend| ["--backend", backend, "--adapter", adapter, "--fault", "lost@5"];
+    let (auto, journal) = outputs(dir.path(), "auto", &lost("auto"))?;
+    ensure(cpu == auto, "auto: the files differ".to_owned())?;
+    ensure(journal.matches("the CPU took over").count() == 1, format!("auto: {journal}"))?;
+    ensure(journal.matches("\"backend\":\"gpu\"").count() >= 5, format!("auto: {journal}"))?;
+    let (gpu, journal) = outputs(dir.path(), "gpu", &lost("gpu"))?;
+    ensure(cpu == gpu, "gpu: the files differ".to_owned())?;
+    ensure(journal.matches("\"attempts\":2").count() == 1, format!("gpu: {journal}"))?;
+    ensure(journal.matches("\"backend\":\"gpu\"").count() == 6, format!("gpu: {journal}"))
+}
 
 fn run(folder: &Path, more: &[&str]) -> Result<Output, Failed> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_microtome"));

@@ -75,6 +75,7 @@ impl Batch {
             limits,
             backend: BackendOptions::new(Backend::Cpu, None, None),
             device_workers: 0,
+            fault: None,
             pictures: false,
             // Nothing is written, so that outputs need not be there to stand.
             estimate: true,
