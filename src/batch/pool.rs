@@ -79,6 +79,8 @@ pub struct Slot {
 pub struct Death {
     /// What the system said of it, as part of a sentence.
     pub reason: String,
+    /// Whether somebody else asked it to end, by a signal.
+    pub asked: bool,
     /// Whether we ended it, and why.
     pub sentence: Option<Sentence>,
     /// What it had in hand; the first is what it worked on.
@@ -308,16 +310,16 @@ impl Pool {
         let fresh = self.staff.hire(at)?;
         let Some(slot) = self.slots.get_mut(at) else { return Ok(Meaning::Nothing) };
         let mut old = std::mem::replace(slot, fresh);
-        let reason = match old.child.epitaph() {
-            _ if old.confused => "said what no worker says".to_owned(),
-            reason => reason,
+        let (reason, asked) = match old.child.epitaph() {
+            _ if old.confused => ("said what no worker says".to_owned(), false),
+            known => known,
         };
         self.false_starts += u32::from(!old.ready);
         if self.false_starts >= FALSE_STARTS {
             return Err(io::Error::other(format!("{} {reason}", self.staff.program.display())));
         }
         let Slot { sentence, resident, .. } = old;
-        Ok(Meaning::Died(at, Death { reason, sentence, hand: old.hand, resident }))
+        Ok(Meaning::Died(at, Death { reason, asked, sentence, hand: old.hand, resident }))
     }
 }
 

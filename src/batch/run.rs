@@ -105,10 +105,12 @@ fn work(floor: &mut Floor<'_>, messages: &Receiver<Message>) -> Result<(), Batch
         }
         floor.breathe()?;
     }
-    floor.end(|| messages.try_iter().find_map(|message| match message {
-        Message::Worker(news) => Some(news),
-        Message::Known(..) => None,
-    }))
+    floor.end(|| {
+        messages.try_iter().find_map(|message| match message {
+            Message::Worker(news) => Some(news),
+            Message::Known(..) => None,
+        })
+    })
 }
 
 #[cfg(all(test, unix))]

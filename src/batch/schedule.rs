@@ -20,6 +20,9 @@ const PATIENCE: u32 = 16;
 /// More threads than one are of no use to a job shorter than this per thread \[s\].
 const SHORTEST_SHARE: f64 = 0.02;
 
+/// A job that ends so much later than all others together might is not worth a thread more.
+const LATE: f64 = 1.1;
+
 /// Jobs up to this long may be handed to a worker that is still busy \[s\]. If the worker takes longer than
 /// foreseen the job waits behind it while others might be free.
 const SHORT: f64 = 0.3;
@@ -120,8 +123,8 @@ impl Schedule {
         let free = self.threads.checked_sub(load.threads).filter(|free| *free > 0 && !load.alone)?;
         let mut found = None;
         for (rank, waiting) in &self.waiting {
-            let room = rank.turn != Turn::Alone
-                && load.bytes.saturating_add(waiting.claim.bytes) <= self.budget;
+            let room =
+                rank.turn != Turn::Alone && load.bytes.saturating_add(waiting.claim.bytes) <= self.budget;
             if room || load.jobs == 0 {
                 found = Some((*rank, waiting.claim));
                 break;
@@ -166,11 +169,11 @@ impl Schedule {
         }
     }
 
-    /// Threads for a job that waits: as many as finish it together with all the others, or, where fewer jobs
-    /// than threads are left, its part of these.
+    /// Threads for a job that waits: as few as finish it about together with all the others, or, where fewer
+    /// jobs than threads are left, its part of these.
     fn share(&self, claim: &Claim, load: &Load, free: usize) -> usize {
-        let all = load.seconds + self.seconds + self.unread.1;
-        let critical = (claim.seconds * self.threads as f64 / all.max(1e-9)).round() as usize;
+        let all = (load.seconds + self.seconds + self.unread.1) / self.threads as f64;
+        let critical = (claim.seconds / (all * LATE).max(1e-9)).ceil() as usize;
         let left = (self.waiting.len() + self.unread.0).max(1);
         critical.max(free / left).clamp(1, free).min(useful(claim.seconds))
     }

@@ -5,6 +5,7 @@ mod bad_input;
 mod batch_inputs;
 mod batch_resume;
 mod batch_report;
+mod batch_run;
 mod golden;
 mod contours;
 mod estimate;

@@ -3,6 +3,7 @@
 use std::fs::{File, TryLockError};
 use std::io;
 use std::path::Path;
+use std::time::Duration;
 
 /// All that was written to the file system of a folder, data and names, reaches the disk.
 ///
@@ -35,13 +36,22 @@ pub(super) enum Lock {
     Unknown(io::Error),
 }
 
+/// Takes a lock. One that is taken may be let go soon: a process that was killed takes a moment to end, and a
+/// process that it was just starting holds its files until its own program begins.
 pub(super) fn lock(file: &File) -> Lock {
-    match file.try_lock() {
-        Ok(()) => Lock::Held,
-        Err(TryLockError::WouldBlock) => Lock::Taken,
-        Err(TryLockError::Error(e)) => Lock::Unknown(e),
+    for _ in 0..LOCK_TRIES {
+        match file.try_lock() {
+            Ok(()) => return Lock::Held,
+            Err(TryLockError::WouldBlock) => std::thread::sleep(LOCK_PAUSE),
+            Err(TryLockError::Error(e)) => return Lock::Unknown(e),
+        }
     }
+    Lock::Taken
 }
+
+/// How often a lock is asked for, and the time in between.
+const LOCK_TRIES: u32 = 25;
+const LOCK_PAUSE: Duration = Duration::from_millis(20);
 
 /// Whether the path still leads to the file: another process may have renamed it before we had the lock.
 pub(super) fn leads_to(path: &Path, file: &File) -> io::Result<bool> {

@@ -86,7 +86,7 @@ impl Child {
     ) -> io::Result<Self> {
         let mut command = Command::new(program);
         command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        // Ctrl-C goes to a terminal's whole group; it is for us to say when workers end.
+        // Ctrl-C at a terminal is for us; we end the workers.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let mut process = command.spawn()?;
@@ -96,7 +96,9 @@ impl Child {
         let post = Arc::clone(post);
         let listen = || thread::Builder::new().stack_size(STACK);
         listen().name(format!("worker {}", place.0)).spawn(move || {
-            output.map(|output| read_answers(BufReader::new(output), |said| post.post(News { place, said })));
+            if let Some(output) = output {
+                read_answers(BufReader::new(output), |said| post.post(News { place, said }));
+            }
             post.post(News { place, said: Said::Closed });
         })?;
         listen().name(format!("complaints {}", place.0)).spawn(move || read_complaints(errors, &sender))?;
@@ -129,15 +131,15 @@ impl Child {
         drop(self.process.wait());
     }
 
-    /// Why a process ended whose output has ended.
-    pub(super) fn epitaph(&mut self) -> String {
+    /// Why a process ended whose output has ended, and whether somebody had asked it to.
+    pub(super) fn epitaph(&mut self) -> (String, bool) {
         self.kill();
         let status = self.process.wait();
         let words = self.last_words.recv_timeout(LAST_WORDS).unwrap_or_default();
         let words = if words.is_empty() { words } else { format!(": {words}") };
         match status {
-            Ok(status) => format!("{}{words}", cause(status)),
-            Err(e) => format!("ended for reasons unknown ({e}){words}"),
+            Ok(status) => (format!("{}{words}", cause(status)), was_asked(status)),
+            Err(e) => (format!("ended for reasons unknown ({e}){words}"), false),
         }
     }
 }
@@ -161,6 +163,17 @@ fn cause(status: ExitStatus) -> String {
     match status.code() {
         Some(code) => format!("ended with exit code {code}"),
         None => "ended for reasons unknown".to_owned(),
+    }
+}
+
+/// Whether a signal to end has ended a process: SIGHUP, SIGINT or SIGTERM.
+fn was_asked(status: ExitStatus) -> bool {
+    #[cfg(unix)]
+    return matches!(std::os::unix::process::ExitStatusExt::signal(&status), Some(1 | 2 | 15));
+    #[cfg(not(unix))]
+    {
+        let _ = status;
+        false
     }
 }
 
@@ -216,7 +229,8 @@ mod tests {
         let of = |line: &str| format!("{:?}", understand(line));
         assert!(of(r#"{"id":null,"ready":{"version":"1.2","pid":3}}"#).contains("Ready"));
         assert!(of(r#"{"id":7,"done":{}}"#).starts_with("Done { ticket: 7"));
-        let failed = r#"{"id":7,"failed":{"kind":"model","message":"m","transient":false,"disk_full":false}}"#;
+        let failed =
+            r#"{"id":7,"failed":{"kind":"model","message":"m","transient":false,"disk_full":false}}"#;
         assert!(of(failed).starts_with("Failed { ticket: 7"));
         assert!(of(r#"{"id":7,"refused":"why"}"#).contains("Defect"));
         assert_eq!(of(r#"{"id":null,"refused":"no such request"}"#), "Nothing");

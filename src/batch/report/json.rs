@@ -37,7 +37,7 @@ pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> io::Result<()> 
 }
 
 /// A row that JSON can hold: paths that are no UTF-8 with U+FFFD in place of what is not.
-pub(super) fn writable(row: &Row) -> Cow<'_, Row> {
+pub(in crate::batch) fn writable(row: &Row) -> Cow<'_, Row> {
     let odd = |path: &PathBuf| path.to_str().is_none();
     let request = &row.request;
     let lists = [&request.load, &request.support_enforcers, &request.support_blockers];

@@ -13,6 +13,7 @@ mod sums;
 mod tests;
 mod words;
 
+pub(super) use json::writable;
 pub use merge::{Merged, merge};
 pub use sums::Sums;
 pub use words::{count, duration, plain};

@@ -5,8 +5,12 @@ use crate::batch::event::{Event, Observer, Row, Status, Totals};
 use crate::batch::journal::Journal;
 use crate::batch::key::Key;
 use crate::batch::options::BatchOptions;
-use crate::batch::{BatchError, Item};
+use crate::batch::{BatchError, Item, report};
 use crate::slicer::{Failure, Outcome};
+use std::borrow::Cow;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::thread;
 use std::time::{Duration, Instant};
 
 /// Time between checkpoints, at least.
@@ -14,6 +18,25 @@ const CHECKPOINT: Duration = Duration::from_millis(500);
 
 /// A checkpoint keeps workers waiting; on a slow disk no more than one part in so many of the time.
 const CHECKPOINT_SHARE: u32 = 20;
+
+/// Sends what is written to the disk from a thread of its own, so that the checkpoint that follows finds little
+/// left to wait for.
+fn flush(folder: &Path) -> Receiver<()> {
+    let (sender, done) = channel();
+    let folder = folder.to_owned();
+    let flush = move || {
+        // A failure is for the checkpoint to tell.
+        #[cfg(target_os = "linux")]
+        drop(std::fs::File::open(&folder).map(rustix::fs::syncfs));
+        #[cfg(not(target_os = "linux"))]
+        drop(folder);
+        // Nobody waits where the batch is over.
+        let _ = sender.send(());
+    };
+    // Without the thread its sender is dropped, which says the same.
+    drop(thread::Builder::new().name("flush".to_owned()).spawn(flush));
+    done
+}
 
 /// Keeps the books of a batch.
 pub(super) struct Book<'a> {
@@ -24,6 +47,7 @@ pub(super) struct Book<'a> {
     rows: Vec<Option<Row>>,
     pub totals: Totals,
     due: Option<Instant>,
+    flushing: Option<Receiver<()>>,
     cost: Duration,
 }
 
@@ -44,7 +68,8 @@ impl<'a> Book<'a> {
         journal: Journal,
     ) -> Self {
         let (rows, totals) = (vec![None; items.len()], Totals::default());
-        Self { items, options, observer, journal, rows, totals, due: None, cost: Duration::ZERO }
+        let (due, flushing, cost) = (None, None, Duration::ZERO);
+        Self { items, options, observer, journal, rows, totals, due, flushing, cost }
     }
 
     pub(super) fn tell(&mut self, event: &Event<'_>) {
@@ -89,7 +114,7 @@ impl<'a> Book<'a> {
             Ok(outcome) => (Some(outcome), None),
             Err((_, failure)) => (None, Some(failure)),
         };
-        let row = Row {
+        let mut row = Row {
             name: item.name.clone(),
             model: item.request.model.display().to_string(),
             status,
@@ -101,6 +126,10 @@ impl<'a> Book<'a> {
             failure,
             request: intake::request(item, self.options),
         };
+        // The journal is JSON too.
+        if let Some(writable) = owned(report::writable(&row)) {
+            row = writable;
+        }
         self.journal.ended(&row)?;
         self.due.get_or_insert_with(|| Instant::now() + CHECKPOINT.max(self.cost * CHECKPOINT_SHARE));
         match status {
@@ -149,16 +178,20 @@ impl<'a> Book<'a> {
 
     /// Makes all so far last, if it is time.
     pub(super) fn checkpoint(&mut self) -> Result<(), BatchError> {
-        if self.due.is_some_and(|due| Instant::now() >= due) {
-            self.checkpoint_now()?;
+        match &self.flushing {
+            None if self.due.is_some_and(|due| Instant::now() >= due) => {
+                self.flushing = Some(flush(&self.options.folder));
+                Ok(())
+            }
+            Some(done) if done.try_recv() != Err(TryRecvError::Empty) => self.checkpoint_now(),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     pub(super) fn checkpoint_now(&mut self) -> Result<(), BatchError> {
         let begun = Instant::now();
         self.journal.checkpoint()?;
-        (self.due, self.cost) = (None, begun.elapsed());
+        (self.due, self.flushing, self.cost) = (None, None, begun.elapsed());
         Ok(())
     }
 
@@ -172,5 +205,12 @@ impl<'a> Book<'a> {
     pub(super) fn close(mut self) -> (Vec<Row>, Totals) {
         self.totals.left = self.items.len() - self.settled().min(self.items.len());
         (self.rows.into_iter().flatten().collect(), self.totals)
+    }
+}
+
+fn owned<T: Clone>(maybe: Cow<'_, T>) -> Option<T> {
+    match maybe {
+        Cow::Owned(owned) => Some(owned),
+        Cow::Borrowed(_) => None,
     }
 }

@@ -1,10 +1,10 @@
 //! The shop floor: which worker does what, and what becomes of it.
 
+use super::Message;
 use super::book::{Book, End};
 use super::intake::{self, Identity, Known};
 use super::verdict::{Verdict, deadly, failure_of, verdict};
 use super::watch::{Measure, measures};
-use super::Message;
 use crate::batch::event::{Event, Observer, Row, Status, Totals};
 use crate::batch::journal::Journal;
 use crate::batch::options::BatchOptions;
@@ -18,9 +18,14 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
+use std::thread;
+use std::time::Duration;
 
 /// A job that waits behind another so much longer than that was to take is given to somebody else \[s\].
 const OVERDUE: f64 = 1.0;
+
+/// A signal that one process has had reaches the next after this.
+const GRACE: Duration = Duration::from_millis(100);
 
 /// A job that is waiting or in hand.
 struct Job {
@@ -282,6 +287,14 @@ impl<'a> Floor<'a> {
     }
 
     fn buried(&mut self, worker: usize, death: &Death) -> Result<(), BatchError> {
+        if death.asked {
+            // Who ends a batch in order may ask all its processes at a time; our turn is next.
+            thread::sleep(GRACE);
+            self.heed();
+            if self.finished() {
+                return Ok(());
+            }
+        }
         self.book.totals.workers_lost += 1;
         self.book.tell(&Event::WorkerLost { worker, reason: &death.reason });
         // A worker that is killed may leave unfinished files; what waited may just have been begun.
@@ -373,9 +386,11 @@ impl<'a> Floor<'a> {
             }
         }
         for worker in 0..pool.slots().len() {
-            let late = pool.slots().get(worker).and_then(|slot| slot.hand().front()).is_some_and(|task| {
-                task.since.elapsed().as_secs_f64() > task.claim.seconds + OVERDUE
-            });
+            let late = pool
+                .slots()
+                .get(worker)
+                .and_then(|slot| slot.hand().front())
+                .is_some_and(|task| task.since.elapsed().as_secs_f64() > task.claim.seconds + OVERDUE);
             if late {
                 pool.take_back(worker);
             }
@@ -387,10 +402,14 @@ impl<'a> Floor<'a> {
     pub(super) fn breathe(&mut self) -> Result<(), BatchError> {
         self.book.checkpoint()?;
         self.book.tick();
+        self.heed();
+        Ok(())
+    }
+
+    fn heed(&mut self) {
         if self.book.wants_stop() {
             self.book.totals.stopped.get_or_insert_with(|| "stopped on request".to_owned());
         }
-        Ok(())
     }
 
     /// Ends all workers. What they had finished before is recorded; the rest is given up.

@@ -3,11 +3,11 @@
 //! That also brings the next models into the system's cache of files, so that workers need not wait for the
 //! disk.
 
+use crate::batch::Item;
 use crate::batch::event::Row;
 use crate::batch::journal::Past;
 use crate::batch::key::{Content, Key, Keys};
 use crate::batch::options::BatchOptions;
-use crate::batch::Item;
 use crate::slicer::{Failure, Request};
 use sha2::{Digest, Sha256};
 use std::cmp::Reverse;

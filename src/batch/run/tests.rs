@@ -120,8 +120,25 @@ fn all_jobs_are_done_with_any_number_of_workers() {
 #[test]
 fn what_befalls_one_worker_harms_no_other_job() {
     let mut batch = Batch::new(&[
-        "a", "killed", "b", "abort", "c", "exit", "d", "nonsense", "e", "broken", "f", "defect", "g",
-        "passing", "h", "killed_once", "i", "passing_once", "j",
+        "a",
+        "killed",
+        "b",
+        "abort",
+        "c",
+        "exit",
+        "d",
+        "nonsense",
+        "e",
+        "broken",
+        "f",
+        "defect",
+        "g",
+        "passing",
+        "h",
+        "killed_once",
+        "i",
+        "passing_once",
+        "j",
     ]);
     let (totals, rows) = batch.run();
     let of = |name: &str| rows.iter().find(|row| row.name == format!("{name}.gcode")).unwrap();
@@ -135,7 +152,11 @@ fn what_befalls_one_worker_harms_no_other_job() {
     ] {
         let row = of(name);
         let failure = row.failure.as_ref().unwrap();
-        assert_eq!((row.status, failure.kind, row.attempts), (Status::Quarantined, kind, attempts), "{row:?}");
+        assert_eq!(
+            (row.status, failure.kind, row.attempts),
+            (Status::Quarantined, kind, attempts),
+            "{row:?}"
+        );
         assert!(failure.message.contains(words), "{row:?}");
     }
     assert_eq!((of("broken").status, of("broken").attempts), (Status::Failed, 1));
@@ -179,12 +200,13 @@ fn a_full_disk_stops_the_batch_and_a_later_run_goes_on() {
     let mut batch = Batch::new(&["full_once", "a", "b", "c", "d", "e", "f", "g", "h"]);
     batch.options.threads = 1;
     let (totals, rows) = batch.run();
-    // It is the largest and goes first.
-    assert_eq!((totals.done, totals.left, totals.exit_code(), rows.len()), (0, 9, 9, 0));
+    // It is the largest and goes first; the worker may have done what waited behind it.
+    assert!(totals.done <= 1 && totals.done + totals.left == 9, "{totals:?}");
+    assert_eq!((totals.exit_code(), rows.len()), (9, totals.done));
     assert_eq!(totals.stopped.as_deref(), Some("as told"));
     batch.options.resume = true;
-    let (totals, rows) = batch.run();
-    assert_eq!((totals.done, totals.exit_code(), rows.len()), (9, 0, 9));
+    let (again, rows) = batch.run();
+    assert_eq!((again.done + totals.done, again.exit_code(), rows.len()), (9, 0, 9));
 }
 
 #[test]
@@ -243,11 +265,14 @@ fn workers_that_cannot_work_end_the_batch() {
 
 #[test]
 fn models_that_cannot_be_read_fail_without_a_try() {
-    let mut batch = Batch::new(&["a", "b", "c"]);
+    let mut batch = Batch::new(&["a", "b", "c", "d"]);
     std::fs::remove_file(&batch.items[1].request.model).unwrap();
     batch.items[2].refused = Some(Failure::new(FailureKind::Settings, "line 3 is wrong".to_owned()));
+    // A name that no line of JSON can hold.
+    let odd: &std::ffi::OsStr = std::os::unix::ffi::OsStrExt::from_bytes(b"\xff.stl");
+    batch.items[3].request.model = odd.into();
     let (totals, rows) = batch.run();
-    assert_eq!((totals.done, totals.failed, totals.exit_code()), (1, 2, 7));
+    assert_eq!((totals.done, totals.failed, totals.exit_code()), (1, 3, 7));
     assert_eq!((rows[1].attempts, rows[2].attempts), (0, 0));
     assert_eq!(rows[2].failure.as_ref().unwrap().message, "line 3 is wrong");
 }

@@ -40,7 +40,9 @@ pub(super) fn failure_of(death: &Death, model: &Path, seconds: f64, bytes: u64) 
     match death.sentence {
         Some(Sentence::Time) => Failure::new(
             FailureKind::TimeLimit,
-            format!("{model}: took longer than {seconds} s; give it more with --job-time, or a simpler model"),
+            format!(
+                "{model}: took longer than {seconds} s; give it more with --job-time, or a simpler model"
+            ),
         ),
         Some(Sentence::Memory | Sentence::Crowd) => Failure::new(
             FailureKind::MemoryLimit,

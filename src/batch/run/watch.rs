@@ -65,9 +65,7 @@ pub(super) fn measures(workers: &[Watched], own: u64, limits: &Limits) -> Vec<(u
             excess(a).cmp(&excess(b)).then(youth(a, b).unwrap_or(std::cmp::Ordering::Equal))
         });
         match (idle, worst, busy().count()) {
-            (Some((number, worker)), ..) if worker.resident > WORTH => {
-                found.push((number, Measure::Retire))
-            }
+            (Some((number, worker)), ..) if worker.resident > WORTH => found.push((number, Measure::Retire)),
             (_, Some((number, _)), 1) => found.push((number, Measure::Kill(Sentence::Memory))),
             (_, Some((number, _)), _) => found.push((number, Measure::Kill(Sentence::Crowd))),
             _ => {}
@@ -90,12 +88,7 @@ mod tests {
     }
 
     fn busy(seconds: f64, claim: u64, resident: u64) -> Watched {
-        Watched {
-            seconds: Some(seconds),
-            claim: claim * MB,
-            resident: resident * MB,
-            ..Watched::default()
-        }
+        Watched { seconds: Some(seconds), claim: claim * MB, resident: resident * MB, ..Watched::default() }
     }
 
     #[test]

@@ -82,9 +82,7 @@ fn first_guess(request: &Request, size: u64, text: bool) -> (f64, f64) {
     let copies = f64::from(request.copies.max(1));
     let (seconds, bytes) = match request.technology {
         Technology::Filament => (FILAMENT.0 * triangles * copies, FILAMENT.1 * triangles),
-        Technology::Resin => {
-            (RESIN.0 * triangles * copies + PANEL.0, RESIN.1 * triangles * copies + PANEL.1)
-        }
+        Technology::Resin => (RESIN.0 * triangles * copies + PANEL.0, RESIN.1 * triangles * copies + PANEL.1),
     };
     (if request.estimate { seconds * ESTIMATE_ONLY } else { seconds }, bytes)
 }

@@ -33,12 +33,7 @@ struct Running {
 }
 
 /// Works off a schedule; jobs take what they claim, shared by their threads. Gives the starts and the time.
-fn simulate(
-    threads: usize,
-    budget: u64,
-    jobs: &[(Claim, Turn)],
-    ahead: usize,
-) -> (Vec<(f64, Start)>, f64) {
+fn simulate(threads: usize, budget: u64, jobs: &[(Claim, Turn)], ahead: usize) -> (Vec<(f64, Start)>, f64) {
     let mut schedule = Schedule::new(threads, budget);
     let (mut time, mut known) = (0.0, 0);
     let mut running: Vec<Running> = Vec::new();
