@@ -29,6 +29,8 @@ mod slice;
 mod span;
 #[path = "gpu/span_limits.rs"]
 mod span_limits;
+#[path = "gpu/warm.rs"]
+mod warm;
 #[path = "gpu/wide.rs"]
 mod wide;
 
@@ -89,6 +91,7 @@ fn main() -> ExitCode {
         limits::TESTS,
         faults::TESTS,
         files::TESTS,
+        warm::TESTS,
     ]
     .concat();
     let trials = match found {

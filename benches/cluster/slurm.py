@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tries a batch on a Slurm cluster of two nodes on this machine, and kills one of them in the middle.
 
-usage: slurm.py WORK --microtome PATH --models DIR [--load FILE.ini] [--tasks 8] [--kill-at 0.3] [--back-after 20]
+usage: slurm.py WORK --microtome PATH --models DIR [--load FILE.ini] [--tasks 8] [--kill-at 0.3] [--back-after 60]
        slurm.py WORK --dummy             (the same with a stand-in that sleeps and writes files; no microtome needed)
        slurm.py WORK --microtome PATH --models DIR --stop   (no node dies: a running task is put back into the queue, as by preemption)
 
@@ -176,7 +176,7 @@ def main():
     ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     ap.add_argument('work'); ap.add_argument('--microtome'); ap.add_argument('--models', nargs='+', default=[]); ap.add_argument('--load')
     ap.add_argument('--tasks', type=int, default=8); ap.add_argument('--cpus', type=int, default=max(1, (os.cpu_count() or 1) // 2), help='cores of a node')
-    ap.add_argument('--kill-at', type=float, default=0.3); ap.add_argument('--back-after', type=float, default=20)
+    ap.add_argument('--kill-at', type=float, default=0.3); ap.add_argument('--back-after', type=float, default=60)
     ap.add_argument('--node-timeout', type=int, default=5, help='SlurmdTimeout [s]'); ap.add_argument('--requeue-wait', type=int, default=10, help='cred_expire [s]')
     ap.add_argument('--limit', type=float, default=3600, help='give up after this time [s]')
     ap.add_argument('--stop', action='store_true'); ap.add_argument('--dummy', action='store_true'); ap.add_argument('--keep', action='store_true', help='leave WORK as it is')
@@ -212,7 +212,7 @@ def main():
         hosts = cluster.ask('srun', '-N2', '-n2', '-l', 'sh', '-c', 'echo $SLURMD_NODENAME')
         check(sorted(hosts.split()) == ['0:', '1:', 'n1', 'n2'], f'srun reaches both nodes ({" ".join(hosts.split())})')
         run_array(a, cluster, expected, flags, check, (alone, out, log), alone_seconds)
-        judge(a, expected, check, (alone, out, log))
+        judge(a, expected, check, (alone, out, log), code)
     except (TimeoutError, subprocess.CalledProcessError, OSError) as e:
         check(False, str(e) + (f': {e.stderr}' if getattr(e, 'stderr', None) else ''))
     finally:
@@ -233,9 +233,12 @@ def run_array(a, cluster, expected, flags, check, folders, alone_seconds):
     say(f'{a.tasks} tasks submitted')
     deadline = begin + a.limit
     there = lambda: sum(os.path.exists(os.path.join(out, n)) for n in expected)
-    running = lambda: [i for i, t in cluster.tasks().items() if t['state'] == 'RUNNING' and t['node'] == 'n1']
-    ready = lambda: there() >= a.kill_at * len(expected) and running()
-    wait_for('outputs before the node is to die', a.limit, ready)
+    def running():
+        begun, ended = log_times(log)
+        return [i for i, v in begun.items() if v[-1][1] == 'n1' and len(ended.get(i, [])) < len(v)]
+    # Five: slurmd, slurmstepd, the job script, the batch, at least one worker.
+    ready = lambda: there() >= a.kill_at * len(expected) and running() and len(cluster.processes('n1')) >= 5
+    wait_for('outputs before the node is to die', a.limit, ready, 0.05)
     hit = running()
     if a.stop:
         at = time.time()
@@ -281,7 +284,7 @@ def array_id(cluster):
     line = cluster.ask('squeue', '-h', '-o', '%F').split()
     return line[0]
 
-def judge(a, expected, check, folders):
+def judge(a, expected, check, folders, code):
     """The outputs and the report."""
     alone, out, log = folders
     got = outputs(out)
@@ -291,7 +294,11 @@ def judge(a, expected, check, folders):
     check(not extra, 'nothing half written and nothing else lies about' + (f', but {sorted(extra)[:5]}' if extra else ''))
     if a.dummy: return
     r = subprocess.run([a.microtome, 'report', out, '--json'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    check(r.returncode == 0, f'microtome report {out}: exit code {r.returncode} {r.stderr.strip()}')
+    check(r.returncode == code, f'microtome report ends with {r.returncode}, the undisturbed run ended with {code} {r.stderr.strip()}')
+    try:
+        with open(os.path.join(out, 'report.json')) as f: jobs = len(json.load(f)['jobs'])
+    except ValueError as e: jobs = str(e)
+    check(jobs == len(rows(alone)), f'report.json has {jobs} jobs')
     ours, theirs = rows(out), rows(alone)
     check(ours == theirs, f'the merged report has the {len(theirs)} rows of the undisturbed run, with the same status')
 

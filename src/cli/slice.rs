@@ -36,6 +36,9 @@ pub struct SliceArgs {
     /// Keep the model's coordinates instead of dropping it onto the bed and centring it there
     #[arg(long)]
     pub no_place: bool,
+    /// Lay so many of the model on the bed, duplicate_distance apart
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub duplicate: u32,
     /// Draw the toolpaths of a layer, seen from above, as a PNG picture
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
@@ -74,7 +77,7 @@ pub fn run(args: &SliceArgs) -> Result<(), CliError> {
         stem: stem(&args.model),
         date: super::source_date_epoch(),
         modifiers: args.supports.modifiers(),
-        copies: 1,
+        copies: args.duplicate,
     };
     let spinner = Spinner::new(args.run.quiet);
     let mut planned = filament::plan_with(&args.model, &job, args.supports.wish(), &spinner)?;

@@ -46,6 +46,10 @@ pub struct WorkerArgs {
     /// End at once when standard input ends without a `quit`
     #[arg(long, hide = true)]
     pub die_with_input: bool,
+    /// A failure that GPUs play: KIND@SUBMISSION or KIND@SUBMISSIONxDEVICES, such as lost@5
+    #[cfg(feature = "gpu")]
+    #[arg(long, value_name = "SPEC", hide = true)]
+    pub fault: Option<crate::job::warm::FaultPlan>,
 }
 
 /// Answers requests until the input ends.
@@ -64,7 +68,13 @@ pub fn run(args: &WorkerArgs) -> Result<(), CliError> {
     // Side by side, each request has its own threads; alone it takes those of the process.
     let own = args.threads.filter(|_| args.jobs > 1);
     set_threads(args.threads);
-    let slicer = Slicer::new(backend.backend()).with_threads(own);
+    let backend = backend.backend();
+    #[cfg(feature = "gpu")]
+    let backend = match args.fault {
+        Some(faults) => backend.with_faults(faults),
+        None => backend,
+    };
+    let slicer = Slicer::new(backend).with_threads(own);
     let options = ServeOptions { jobs: args.jobs.into(), die_with_input: args.die_with_input };
     let input = io::BufReader::with_capacity(1 << 16, io::stdin());
     Ok(serve(&slicer, &options, input, io::stdout())?)

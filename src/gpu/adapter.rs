@@ -86,17 +86,45 @@ pub fn choose(selection: &Selection) -> Result<Adapter, GpuError> {
     pick(&infos, selection).map(|i| all.swap_remove(i))
 }
 
+/// Finds all devices that serve as well as the one that [`choose`] finds: those of its kind that the same
+/// interface reaches, in the driver's order.
+///
+/// # Errors
+/// As [`choose`].
+pub fn choose_all(selection: &Selection) -> Result<Vec<Adapter>, GpuError> {
+    let all = enumerate();
+    let infos: Vec<_> = all.iter().map(|adapter| adapter.info.clone()).collect();
+    let alike = pick_all(&infos, selection)?;
+    Ok((0..).zip(all).filter(|(i, _)| alike.contains(i)).map(|(_, adapter)| adapter).collect())
+}
+
+/// The indices of the adapters that [`choose_all`] finds.
+fn pick_all(adapters: &[AdapterInfo], selection: &Selection) -> Result<Vec<usize>, GpuError> {
+    let best = &adapters[pick(adapters, selection)?];
+    let alike = |info: &AdapterInfo| {
+        info.device_type == best.device_type && info.backend == best.backend && selection.fits(info)
+    };
+    Ok((0..adapters.len()).filter(|&i| alike(&adapters[i])).collect())
+}
+
+impl Selection {
+    fn fits(&self, info: &AdapterInfo) -> bool {
+        match self {
+            Self::Auto => !info.software,
+            Self::Named(part) => info.name.to_lowercase().contains(&part.to_lowercase()),
+        }
+    }
+}
+
 /// The index of the adapter that a selection means: discrete before integrated before the others;
 /// among equals the first.
 ///
 /// # Errors
 /// As [`choose`].
 pub fn pick(adapters: &[AdapterInfo], selection: &Selection) -> Result<usize, GpuError> {
-    let wanted = |info: &AdapterInfo| match selection {
-        Selection::Auto => !info.software,
-        Selection::Named(part) => info.name.to_lowercase().contains(&part.to_lowercase()),
-    };
-    let best = (0..adapters.len()).filter(|&i| wanted(&adapters[i])).min_by_key(|&i| adapters[i].device_type);
+    let best = (0..adapters.len())
+        .filter(|&i| selection.fits(&adapters[i]))
+        .min_by_key(|&i| adapters[i].device_type);
     best.ok_or_else(|| {
         let names: Vec<_> = adapters.iter().map(|a| a.name.as_str()).collect();
         let present = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
@@ -197,6 +225,24 @@ mod tests {
         assert_eq!(none, Err(GpuError::NoHardware { present: "llvmpipe (LLVM)".to_owned() }));
         let none = pick(&[], &Selection::Auto);
         assert_eq!(none, Err(GpuError::NoHardware { present: "none".to_owned() }));
+    }
+
+    #[test]
+    fn devices_alike_serve_side_by_side() {
+        let mut all = [
+            info("llvmpipe", DeviceType::Software),
+            info("Small", DeviceType::Integrated),
+            info("Big A", DeviceType::Discrete),
+            info("Big B", DeviceType::Discrete),
+            info("Big A", DeviceType::Discrete),
+        ];
+        // The same card once more, by another way.
+        all[4].backend = "dx12";
+        assert_eq!(pick_all(&all, &Selection::Auto), Ok(vec![2, 3]));
+        assert_eq!(pick_all(&all, &Selection::Named("b".to_owned())), Ok(vec![2, 3]));
+        assert_eq!(pick_all(&all, &Selection::Named("big b".to_owned())), Ok(vec![3]));
+        assert_eq!(pick_all(&all, &Selection::Named("l".to_owned())), Ok(vec![1]));
+        assert!(pick_all(&all[..1], &Selection::Auto).is_err());
     }
 
     #[test]

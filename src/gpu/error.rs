@@ -84,6 +84,25 @@ pub enum GpuError {
     },
 }
 
+impl GpuError {
+    /// Whether another try may succeed: a device that failed on the way, not one that is missing or too small.
+    pub const fn may_pass(&self) -> bool {
+        match self {
+            Self::NoHardware { .. }
+            | Self::NoSuchAdapter { .. }
+            | Self::Unsuitable { .. }
+            | Self::TooLarge { .. }
+            | Self::Budget { .. } => false,
+            Self::Open { .. }
+            | Self::OutOfMemory(_)
+            | Self::Validation(_)
+            | Self::Internal(_)
+            | Self::Lost(_)
+            | Self::Timeout { .. } => true,
+        }
+    }
+}
+
 impl From<wgpu::Error> for GpuError {
     fn from(error: wgpu::Error) -> Self {
         // wgpu's texts run over several lines; ours are one line each.

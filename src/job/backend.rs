@@ -3,15 +3,15 @@
 use super::JobError;
 use super::memory;
 use super::summary::BackendSummary;
+#[cfg(feature = "gpu")]
+use super::warm::{self, FaultPlan, Lease, Taken, Warm};
 use crate::contour;
 use crate::contour::{LayerContours, TraceOptions};
 #[cfg(feature = "gpu")]
-use crate::gpu::{self, Device, GpuError};
+use crate::gpu::{self, GpuError};
 use crate::mesh::{Adjacency, Mesh};
 #[cfg(feature = "gpu")]
 use crate::slice;
-#[cfg(feature = "gpu")]
-use crate::slice::gpu::GpuSlicer;
 #[cfg(feature = "gpu")]
 use std::ops::Range;
 
@@ -41,6 +41,9 @@ pub struct BackendOptions {
     #[doc(hidden)]
     #[cfg(feature = "gpu")]
     pub fault: Option<gpu::Fault>,
+    /// Devices that stay open from job to job; `None` opens one for each job.
+    #[cfg(feature = "gpu")]
+    pub warm: Option<Warm>,
 }
 
 impl BackendOptions {
@@ -52,15 +55,34 @@ impl BackendOptions {
             memory,
             #[cfg(feature = "gpu")]
             fault: None,
+            #[cfg(feature = "gpu")]
+            warm: None,
         }
     }
 }
 
 impl BackendOptions {
-    /// The same, with a device that stays open from job to job and is shared by clones.
+    /// The same, with devices that stay open from job to job and are shared by clones. Those that have them
+    /// already keep them.
     #[must_use]
     pub fn kept_warm(self) -> Self {
+        #[cfg(feature = "gpu")]
+        if self.warm.is_none() && self.backend != Backend::Cpu {
+            return Self { warm: Some(Warm::new(&self)), ..self };
+        }
         self
+    }
+
+    /// The same, [kept warm](Self::kept_warm), with failures that its devices play.
+    #[doc(hidden)]
+    #[must_use]
+    #[cfg(feature = "gpu")]
+    pub fn with_faults(self, faults: FaultPlan) -> Self {
+        let warm = self.kept_warm();
+        if let Some(pool) = &warm.warm {
+            pool.play(faults);
+        }
+        warm
     }
 }
 
@@ -111,26 +133,21 @@ pub fn contours(
     #[cfg(feature = "gpu")]
     {
         // Opening a driver costs more than slicing most models does, so the work is weighed first.
-        if wish.backend == Backend::Auto
-            && wish.adapter.is_none()
-            && !slice::gpu::repays_startup(mesh.triangles.len() as u64, segments)
-        {
-            return cpu(prepared, "the work does not repay a GPU's start-up");
-        }
+        let lease = match warm::take(wish, mesh.triangles.len() as u64, segments)? {
+            Taken::Device(lease) => lease,
+            Taken::Cpu { reason, warning } => return Ok(Traced { warning, ..cpu(prepared, reason)? }),
+        };
         // The device lists triangles by itself.
         let per_plane = prepared.per_plane;
-        let mut done = Done::default();
-        let failure = on_gpu(mesh, adjacency, planes, &per_plane, wish, options, &mut done).err();
+        let mut done = Done { adapter: lease.name(), layers: Vec::new() };
+        let failure = on_gpu(lease, (mesh, adjacency), planes, &per_plane, options, &mut done).err();
         let reason = if wish.adapter.is_some() { "named with --adapter" } else { "the best hardware GPU" };
         let Some(failure) = failure else {
-            let backend = summary("gpu", done.adapter, reason);
+            let backend = summary("gpu", Some(done.adapter), reason);
             return Ok(Traced { layers: done.layers, segments, backend, warning: None });
         };
-        if wish.backend == Backend::Gpu || matches!(failure, GpuError::NoSuchAdapter { .. }) {
+        if wish.backend == Backend::Gpu {
             return Err(failure.into());
-        }
-        if matches!(failure, GpuError::NoHardware { .. }) {
-            return cpu(contour::Prepared::new(mesh, adjacency, planes)?, "no hardware GPU was found");
         }
         // What the device has delivered stays; the planes in hand and those after them are the CPU's.
         let from = done.layers.len().min(planes.len());
@@ -148,7 +165,7 @@ pub fn contours(
         let backend = if from == 0 {
             summary("cpu", None, "the GPU failed")
         } else {
-            summary("gpu", done.adapter, "the GPU failed on the way; the CPU did the rest")
+            summary("gpu", Some(done.adapter), "the GPU failed on the way; the CPU did the rest")
         };
         Ok(Traced { layers, segments, backend, warning: Some(warning) })
     }
@@ -160,44 +177,28 @@ fn summary(kind: &'static str, adapter: Option<String>, reason: &str) -> Backend
 
 /// What a device has done so far.
 #[cfg(feature = "gpu")]
-#[derive(Default)]
 struct Done {
-    adapter: Option<String>,
+    adapter: String,
     /// The contours of the first planes.
     layers: Vec<LayerContours>,
 }
 
 #[cfg(feature = "gpu")]
 fn on_gpu(
-    mesh: &Mesh,
-    adjacency: &Adjacency,
+    lease: Lease,
+    (mesh, adjacency): (&Mesh, &Adjacency),
     planes: &[i32],
     per_plane: &[u64],
-    wish: &BackendOptions,
     options: &TraceOptions,
     done: &mut Done,
 ) -> Result<(), GpuError> {
-    let selection = wish.adapter.clone().map_or(gpu::Selection::Auto, gpu::Selection::Named);
-    let device_options = gpu::Options { fault: wish.fault, ..gpu::Options::default() };
-    let device = Device::with_options(&gpu::choose(&selection)?, device_options)?;
-    let info = device.info();
-    done.adapter = Some(format!("{} ({} {})", info.name, info.driver, info.driver_info));
-    let budget = wish.memory.unwrap_or_else(|| options.memory_budget.min(device.default_budget()));
-    let mut slicer = GpuSlicer::new(device.into())?.with_budget(budget);
-    let mut work = || {
-        let resident = slicer.upload(mesh, adjacency)?;
-        let runs = runs(per_plane, slicer.max_segments_beside(&resident)?);
-        slicer.slice_runs(&resident, planes, &runs, |run, segments| {
+    lease.slice(mesh, adjacency, options.memory_budget, |slicer, resident| {
+        let runs = runs(per_plane, slicer.max_segments_beside(resident)?);
+        slicer.slice_runs(resident, planes, &runs, |run, segments| {
             done.layers.extend(contour::contours_of(mesh, &planes[run], &segments, options));
             Ok(())
         })
-    };
-    let result = work();
-    if matches!(result, Err(GpuError::Timeout { .. })) {
-        // To free a hung device would be to wait for it.
-        std::mem::forget(slicer);
-    }
-    result
+    })
 }
 
 /// Runs of planes within the limit, and several even where one would do: the device works on one while

@@ -2,6 +2,7 @@
 
 use super::JobError;
 use super::backend::{self, BackendOptions};
+use super::copies::Copies;
 use super::error::WriteError;
 use super::gcode_text::GcodeText;
 use super::modifiers::{Cuts, ModifierRows};
@@ -10,7 +11,7 @@ use super::part::{self, MeshOptions, Part, PartOptions};
 use super::progress::{Progress, go_on};
 use super::summary::{FilamentSummary, Stopwatch, Summary};
 use super::support_report::{Subject, SupportRecord, SupportWish};
-use super::{adhesion, assemble, support_report, supports};
+use super::{adhesion, assemble, copies, support_report, supports};
 use crate::contour::{ExPolygon, LayerContours, TraceOptions};
 use crate::infill::FillLayer;
 use crate::lattice::{self, Point2};
@@ -150,6 +151,10 @@ fn plan_loaded(
     let part = part::prepare(loaded, name, &options, progress, &mut watch)?;
     let Part { mesh, adjacency, summary: mesh_summary, warnings: found } = part;
     warnings.extend(found);
+    let spacing = settings.adhesion.duplicate_distance;
+    let Copies { mesh, adjacency, shifts } =
+        copies::lay_out(mesh, adjacency, job.copies, spacing, &settings.printer)
+            .map_err(|error| JobError::Place { model: name.to_owned(), error })?;
     let raft = Heights::new(settings);
     fits_on_raft(&mesh, &raft, settings, name)?;
 
@@ -169,7 +174,7 @@ fn plan_loaded(
     warnings.extend(open_contours.warning(name));
     let triangles = mesh.triangles.len() as u64;
     let origin = mesh.origin;
-    let modifiers = modifiers(job, &layers, [file_origin, origin], &options, &mut warnings)?;
+    let modifiers = modifiers(job, &layers, [file_origin, origin], &shifts, &options, &mut warnings)?;
     drop((mesh, adjacency));
     let contours = traced.layers.iter().map(|l| l.rings.len() as u64).sum();
 
@@ -256,12 +261,22 @@ pub fn estimate(path: &Path, job: &FilamentJob<'_>, progress: &dyn Progress) -> 
 /// # Errors
 /// A template is wrong.
 pub fn count(planned: Planned, job: &FilamentJob<'_>, progress: &dyn Progress) -> Result<Summary, JobError> {
+    Ok(count_keeping(planned, job, progress, None)?.0)
+}
+
+/// [`count`]; also gives the extrusions of one layer, counted from 0, for a picture.
+///
+/// # Errors
+/// As [`count`].
+pub fn count_keeping(
+    planned: Planned,
+    job: &FilamentJob<'_>,
+    progress: &dyn Progress,
+    keep: Option<usize>,
+) -> Result<(Summary, Option<LayerPlan>), JobError> {
     let nowhere = &mut std::io::sink();
-    match put(planned, job, nowhere, progress, Put { text: false, keep: None }) {
-        Ok((summary, _)) => Ok(summary),
-        // Nothing is written, so that no stream can fail; the model stands in for its name.
-        Err(e) => Err(e.at(Path::new(&job.stem))),
-    }
+    // Nothing is written, so that no stream can fail; the model stands in for its name.
+    put(planned, job, nowhere, progress, Put { text: false, keep }).map_err(|e| e.at(Path::new(&job.stem)))
 }
 
 /// Puts the layers in order and writes them, one after the other.
@@ -400,11 +415,13 @@ fn time_by_role(written: &gcode::Summary) -> BTreeMap<String, f64> {
     all.filter(|(_, seconds)| *seconds > 0.0).collect()
 }
 
-/// What enforcers and blockers cover; `origins` are the part's in its file and on the bed.
+/// What enforcers and blockers cover; `origins` are the part's in its file and on the bed, `copies` where its
+/// copies lie.
 fn modifiers(
     job: &FilamentJob<'_>,
     layers: &[LayerZ],
     [before, origin]: [[i64; 3]; 2],
+    copies: &[[i64; 2]],
     options: &TraceOptions,
     warnings: &mut Vec<String>,
 ) -> Result<ModifierRows, JobError> {
@@ -418,7 +435,7 @@ fn modifiers(
     }
     let moved = std::array::from_fn(|axis| origin[axis].saturating_sub(before[axis]));
     let frame = SupportPlan::new(job.settings).frame;
-    let cuts = Cuts { layers, origin, moved, frame: &frame, options };
+    let cuts = Cuts { layers, origin, moved, copies, frame: &frame, options };
     ModifierRows::load(files, &cuts, warnings)
 }
 

@@ -4,6 +4,7 @@ pub mod adhesion;
 mod assemble;
 pub mod backend;
 pub mod contours;
+pub mod copies;
 pub mod below;
 pub mod error;
 pub mod filament;
@@ -23,5 +24,7 @@ pub mod support_report;
 pub mod supports;
 pub mod threads;
 pub mod toolpaths;
+#[cfg(feature = "gpu")]
+pub mod warm;
 
 pub use error::{FailureKind, JobError};

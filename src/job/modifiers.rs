@@ -30,6 +30,8 @@ pub struct Cuts<'a> {
     pub origin: [i64; 3],
     /// How far the part was moved from its file's coordinates to get there \[nm\]; modifiers go with it.
     pub moved: [i64; 3],
+    /// Where copies of the part lie, seen from it; (0, 0) among them \[nm\].
+    pub copies: &'a [[i64; 2]],
     /// The rows.
     pub frame: &'a RowFrame,
     /// How contours are finished.
@@ -66,17 +68,22 @@ fn covered(files: &[PathBuf], cuts: &Cuts, warnings: &mut Vec<String>) -> Result
                 file.display()
             ));
         }
-        if all.is_empty() {
-            all = own;
-            continue;
-        }
-        for (all, own) in all.iter_mut().zip(own) {
-            if !own.is_empty() {
-                *all = Arc::new(or(all, &own));
-            }
-        }
+        join(&mut all, own);
     }
     Ok(all)
+}
+
+/// Adds the areas of layers to those found so far.
+fn join(all: &mut Vec<Arc<Rows>>, own: Vec<Arc<Rows>>) {
+    if all.is_empty() {
+        *all = own;
+        return;
+    }
+    for (all, own) in all.iter_mut().zip(own) {
+        if !own.is_empty() {
+            *all = Arc::new(or(all, &own));
+        }
+    }
 }
 
 /// What one mesh covers.
@@ -94,7 +101,12 @@ fn cut(file: &Path, cuts: &Cuts, warnings: &mut Vec<String>) -> Result<Vec<Arc<R
     warnings
         .extend(OpenContours::new(&layers, cuts.layers, mesh.origin).warning(&file.display().to_string()));
     let by = [0, 1].map(|axis: usize| mesh.origin[axis].saturating_sub(cuts.origin[axis]));
-    Ok(rows(&layers, by, cuts.frame))
+    let at = |shift: &[i64; 2]| [0, 1].map(|axis: usize| by[axis].saturating_add(shift[axis]));
+    let mut all: Vec<Arc<Rows>> = Vec::new();
+    for shift in cuts.copies {
+        join(&mut all, rows(&layers, at(shift), cuts.frame));
+    }
+    Ok(all)
 }
 
 /// The areas of layers that are moved to the part's frame; neighbours that are equal share theirs.
@@ -149,7 +161,8 @@ mod tests {
         let frame = RowFrame::new(0.0, 0.0, 100_000.0);
         let options =
             TraceOptions { simplify_tolerance: Some(0), match_tolerance: 0, memory_budget: 1 << 20 };
-        let cuts = Cuts { layers: &layers, origin, moved, frame: &frame, options: &options };
+        let cuts =
+            Cuts { layers: &layers, origin, moved, copies: &[[0; 2]], frame: &frame, options: &options };
         let mut warnings = Vec::new();
         let rows = ModifierRows::load(&files, &cuts, &mut warnings).unwrap();
         (rows, warnings)

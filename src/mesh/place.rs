@@ -120,7 +120,11 @@ pub fn fits(mesh: &Mesh, bed_shape: &[[f64; 2]], max_print_height: f64) -> Resul
     }
 }
 
-fn bed_bounds(bed: &[[f64; 2]]) -> Result<[[f64; 2]; 2], PlaceError> {
+/// The box around a bed: its lowest and its highest corner \[mm\].
+///
+/// # Errors
+/// [`PlaceError::BadBed`].
+pub fn bed_bounds(bed: &[[f64; 2]]) -> Result<[[f64; 2]; 2], PlaceError> {
     let (mut lo, mut hi) = ([f64::MAX; 2], [f64::MIN; 2]);
     for p in bed {
         for axis in 0..2 {

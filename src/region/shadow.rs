@@ -46,21 +46,40 @@ impl Shadow {
         }
     }
 
-    /// Whether a closed ring runs through it.
-    pub(super) fn meets(&self, ring: &[Point2]) -> bool {
+    /// Whether a course runs through it.
+    pub(super) fn meets(&self, course: &Course<'_>) -> bool {
+        let bounds = self.bounds();
+        course.runs.iter().enumerate().any(|(k, run)| run.meets(&bounds) && self.meets_run(course, k))
+    }
+
+    /// Whether edges of run `k` lie within, in part.
+    fn meets_run(&self, course: &Course<'_>, k: usize) -> bool {
         let place = |p: Point2| {
             let (x, y) = p.minus(self.from);
             let (x, y) = (x as f64, y as f64);
             (x * self.ux + y * self.uy, y * self.ux - x * self.uy)
         };
-        let Some(&last) = ring.last() else { return false };
-        let mut a = place(last);
-        ring.iter().any(|&p| {
-            let b = place(p);
+        let mut points = course.points(k).map(place);
+        let Some(mut a) = points.next() else { return false };
+        points.any(|b| {
             let met = self.cuts(a, b);
             a = b;
             met
         })
+    }
+
+    /// A box about all that it covers.
+    fn bounds(&self) -> Bounds {
+        let far = self.depth.max(0.0);
+        let corners = [
+            (0.0, 0.0),
+            (self.length, 0.0),
+            (-far * self.before, far),
+            (self.length + far * self.after, far),
+        ];
+        let (x, y) = (f64::from(self.from.x), f64::from(self.from.y));
+        let at = |(s, t): (f64, f64)| (x + s * self.ux - t * self.uy, y + s * self.uy + t * self.ux);
+        corners.into_iter().map(at).fold(Bounds::NOTHING, Bounds::with)
     }
 
     /// Whether a part of the segment lies within.
@@ -84,6 +103,62 @@ impl Shadow {
     }
 }
 
+/// A box; its borders belong to it \[nm\].
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    low: (f64, f64),
+    high: (f64, f64),
+}
+
+impl Bounds {
+    const NOTHING: Self =
+        Self { low: (f64::INFINITY, f64::INFINITY), high: (f64::NEG_INFINITY, f64::NEG_INFINITY) };
+
+    fn with(self, (x, y): (f64, f64)) -> Self {
+        Self { low: (self.low.0.min(x), self.low.1.min(y)), high: (self.high.0.max(x), self.high.1.max(y)) }
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        self.low.0 <= other.high.0
+            && other.low.0 <= self.high.0
+            && self.low.1 <= other.high.1
+            && other.low.1 <= self.high.1
+    }
+}
+
+/// A closed ring in runs of edges with a box about each, so that most of it is passed over at once.
+pub(super) struct Course<'a> {
+    ring: &'a [Point2],
+    runs: Vec<Bounds>,
+}
+
+impl<'a> Course<'a> {
+    /// Edges in a run.
+    const RUN: usize = 16;
+
+    pub(super) fn new(ring: &'a [Point2]) -> Self {
+        let mut course = Self { ring, runs: Vec::new() };
+        let bounds = |k: usize| {
+            let places = course.points(k).map(|p| (f64::from(p.x), f64::from(p.y)));
+            places.fold(Bounds::NOTHING, Bounds::with)
+        };
+        course.runs = (0..ring.len().div_ceil(Self::RUN)).map(bounds).collect();
+        course
+    }
+
+    /// Number of its runs.
+    pub(super) fn len(&self) -> usize {
+        self.runs.len()
+    }
+
+    /// The vertices of the edges of run `k`.
+    fn points(&self, k: usize) -> impl Iterator<Item = Point2> {
+        let (n, first) = (self.ring.len(), k * Self::RUN);
+        let last = (first + Self::RUN).min(n);
+        (first..=last).map(move |i| self.ring[if i == n { 0 } else { i }])
+    }
+}
+
 /// How far the joint between two edges reaches along either of them per depth: the tangent of half the turn,
 /// of a quarter where the corner is cut off; 0 where the turn is to the left.
 fn reach((ax, ay): (f64, f64), (bx, by): (f64, f64)) -> f64 {
@@ -95,5 +170,37 @@ fn reach((ax, ay): (f64, f64), (bx, by): (f64, f64)) -> f64 {
         sine / (1.0 + cosine)
     } else {
         -turn / (1.0 + dot)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::region::tests::Random;
+
+    #[test]
+    fn runs_pass_over_nothing_that_is_met() {
+        let mut random = Random(7);
+        let mut found = [0; 2];
+        for _ in 0..4000 {
+            let mut point = |reach: i32| {
+                let mut along = || random.range(-reach, reach);
+                Point2::new(along(), along())
+            };
+            let ring: Vec<Point2> = (0..3 + found[0] % 60).map(|_| point(3_000_000)).collect();
+            let source: Vec<Point2> = (0..3).map(|_| point(3_000_000)).collect();
+            let shadow = Shadow::new(&source, 0, 400_000.0);
+            // The whole ring as one run without a box.
+            let all: Vec<Point2> = ring.iter().chain(&ring[..1]).copied().collect();
+            let place = |p: &Point2| {
+                let (x, y) = p.minus(shadow.from);
+                let (x, y) = (x as f64, y as f64);
+                (x * shadow.ux + y * shadow.uy, y * shadow.ux - x * shadow.uy)
+            };
+            let met = all.windows(2).any(|e| shadow.cuts(place(&e[0]), place(&e[1])));
+            assert_eq!(shadow.meets(&Course::new(&ring)), met, "{ring:?} {source:?}");
+            found[usize::from(met)] += 1;
+        }
+        assert!(found[0] > 200 && found[1] > 200, "{found:?}");
     }
 }

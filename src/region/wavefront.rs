@@ -8,7 +8,7 @@
 //! tells afterwards whether the result touches itself, and such areas are left to the polygon library.
 
 use super::offset::{self, MITER_LIMIT};
-use super::shadow;
+use super::shadow::{Course, Shadow};
 use crate::contour::{ExPolygon, Ring, nest};
 use crate::lattice::{LIMIT, Point2};
 use std::cmp::Reverse;
@@ -94,16 +94,16 @@ struct Front<'a> {
     edges: Vec<Edge>,
     ring: &'a [Point2],
     origin: Point2,
-    /// Source edges that vanished beside a corner that turns away from them, see [`shadow`].
+    /// Source edges that vanished beside a corner that turns away from them, see [`Shadow`].
     doubtful: Vec<u32>,
 }
 
 /// Turns by more than this short of a half turn do not end at a usable corner.
 const FOLD: f64 = 1e-9;
 
-/// Pairs of a vanished edge and an edge of the front that are worth looking at instead of calling the
+/// Pairs of a vanished edge and a run of edges of the front that are worth looking at instead of calling the
 /// polygon library.
-const MOST_PAIRS: usize = 100_000;
+const MOST_PAIRS: usize = 2_000_000;
 
 /// Opposite edges of the front that lie this close have nothing between them \[nm\].
 const FLAT: f64 = 2_000.0;
@@ -293,10 +293,11 @@ impl<'a> Front<'a> {
             ring.push(Point2::new(place(self.origin.x, x), place(self.origin.y, y)));
             at = edge.after as usize;
         }
-        if self.doubtful.len() * left > MOST_PAIRS {
+        let course = Course::new(&ring);
+        if self.doubtful.len() * course.len() > MOST_PAIRS {
             return None;
         }
-        let covers = |&i: &u32| i != CAP && shadow::Shadow::new(self.ring, i as usize, way).meets(&ring);
+        let covers = |&i: &u32| i != CAP && Shadow::new(self.ring, i as usize, way).meets(&course);
         if self.doubtful.iter().any(covers) {
             return None;
         }

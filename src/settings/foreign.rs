@@ -92,7 +92,6 @@ pub static FOREIGN: &[Foreign] = &[
     quiet("default_acceleration"),
     quiet("default_filament_profile"),
     quiet("default_print_profile"),
-    quiet("duplicate_distance"),
     quiet("enable_dynamic_fan_speeds"),
     seen("enable_dynamic_overhang_speeds", &["0"]),
     seen("end_filament_gcode", &[r#""; Filament-specific end gcode \n;END gcode for filament\n""#]),

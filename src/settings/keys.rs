@@ -231,6 +231,7 @@ registry! {
     Adhesion adhesion.raft_expansion: Number(0.0, 100.0), "mm", "How far the raft reaches beyond the part";
     Adhesion adhesion.raft_first_layer_density: Percent(10.0, 100.0), "%", "Density of the first layer of raft and supports";
     Adhesion adhesion.raft_first_layer_expansion: Number(0.0, 100.0), "mm", "How much wider the first layer of raft and supports is";
+    Adhesion adhesion.duplicate_distance: Number(0.0, 1000.0), "mm", "Distance between the boxes around copies of a part";
 
     Speed speed.perimeter_speed: SPEED, "mm/s", "Speed of inner walls";
     Speed speed.external_perimeter_speed: SPEED_OF, "mm/s", "Speed of the outermost wall; % of perimeter_speed";

@@ -181,6 +181,8 @@ pub struct AdhesionSettings {
     pub raft_first_layer_density: f64,
     /// How much wider the first layer of raft and supports is \[mm\].
     pub raft_first_layer_expansion: f64,
+    /// Distance between the boxes around copies of a part \[mm\].
+    pub duplicate_distance: f64,
 }
 
 impl Default for AdhesionSettings {
@@ -201,6 +203,7 @@ impl Default for AdhesionSettings {
             raft_expansion: 1.5,
             raft_first_layer_density: 90.0,
             raft_first_layer_expansion: 3.0,
+            duplicate_distance: 6.0,
         }
     }
 }

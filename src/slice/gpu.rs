@@ -60,6 +60,11 @@ impl GpuSlicer {
         self
     }
 
+    /// Bytes of device memory that it holds between runs.
+    pub fn held(&self) -> u64 {
+        self.flights.iter().map(Flight::held).sum()
+    }
+
     /// Times every kernel and every copy from now on, kernels where the device has a clock. Nothing
     /// overlaps then.
     #[must_use]
@@ -200,16 +205,31 @@ fn nanoseconds(since: Instant) -> u64 {
     u64::try_from(since.elapsed().as_nanos()).unwrap_or(u64::MAX)
 }
 
-/// Whether a hardware device is likely to earn back what it costs to start, for automatic choice.
-/// Touches no driver, so that a small job never loads one.
+/// What it costs to load a driver, open a device and compile its kernels \[ns\]: 0.1 s to 0.5 s on desktop
+/// systems, of which this is the upper end.
+pub const START_UP: u64 = 500_000_000;
+
+/// What a job costs on a device that is open, whatever its size \[ns\]. A guess on the safe side: a job takes
+/// two to some twenty round trips.
+const ROUND_TRIPS: u64 = 20_000_000;
+
+/// The CPU time that a hardware device which is open saves a job \[ns\]; 0 where it saves none. For automatic
+/// choice.
 ///
-/// Loading a driver, opening a device and compiling four kernels takes 0.1 s to 0.5 s on desktop
-/// systems. One core counts, emits and links in about 20 ns a triangle and 30 ns a segment (measured
-/// with [`super::cpu`]), and several cores share that work; a device must be sent 30 bytes or more for
-/// each triangle and send back 8 for it and 12 for each segment. So a device pays only where one core
-/// would compute for the better part of a second.
-pub const fn repays_startup(triangles: u64, segments_estimate: u64) -> bool {
-    triangles.saturating_mul(20).saturating_add(segments_estimate.saturating_mul(30)) > 700_000_000
+/// One core counts, emits and links in about 20 ns a triangle and 30 ns a segment (measured with
+/// [`super::cpu`]), and several cores share that work. A device must be sent 30 bytes for each triangle and
+/// send back 8 for it and 12 for each segment; that these take 0.2 ns a byte is an assumption, as is that the
+/// kernels take nothing beside: neither has been measured on a hardware device.
+pub const fn saving(triangles: u64, segments_estimate: u64) -> u64 {
+    let cpu = triangles.saturating_mul(20).saturating_add(segments_estimate.saturating_mul(30));
+    let device = triangles.saturating_mul(8).saturating_add(segments_estimate.saturating_mul(3));
+    cpu.saturating_sub(device).saturating_sub(ROUND_TRIPS)
+}
+
+/// Whether a hardware device is likely to earn back what it costs, for automatic choice: `start_up` is
+/// [`START_UP`], or 0 for a device that is open. Touches no driver, so that a small job never loads one.
+pub const fn repays_startup(triangles: u64, segments_estimate: u64, start_up: u64) -> bool {
+    saving(triangles, segments_estimate) > start_up
 }
 
 #[cfg(test)]
@@ -218,7 +238,9 @@ mod tests {
 
     #[test]
     fn a_small_job_never_starts_a_device() {
-        assert!(!repays_startup(225_000, 2_000_000));
-        assert!(repays_startup(1_000_000, 50_000_000));
+        assert!(!repays_startup(225_000, 2_000_000, START_UP));
+        assert!(repays_startup(1_000_000, 50_000_000, START_UP));
+        assert!(!repays_startup(5_000, 100_000, 0), "not even one that is open");
+        assert!(repays_startup(225_000, 2_000_000, 0));
     }
 }

@@ -22,7 +22,6 @@ use crate::path::LayerPlan;
 use crate::picture;
 use crate::resin::Format;
 use crate::settings::Settings;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -170,25 +169,15 @@ impl Work<'_> {
 
     fn gcode(&self, job: &FilamentJob<'_>) -> Result<Summary, JobError> {
         let Self { request, progress, .. } = *self;
-        let output = match &request.output {
-            _ if request.estimate && request.picture.is_none() => {
-                return filament::estimate(&request.model, job, progress);
-            }
-            Some(output) if !request.estimate => output,
-            _ => {
-                let planned = filament::plan(&request.model, job, progress)?;
-                let middle = planned.layers.len() / 2;
-                let out = &mut io::sink();
-                let (summary, kept) = filament::write_keeping(planned, job, out, progress, Some(middle))
-                    .map_err(|e| e.at(&request.model))?;
-                self.draw(kept)?;
-                return Ok(Summary { bytes: 0, ..summary });
-            }
-        };
         let planned = filament::plan(&request.model, job, progress)?;
+        let middle = request.picture.is_some().then_some(planned.layers.len() / 2);
+        let Some(output) = request.output.as_ref().filter(|_| !request.estimate) else {
+            let (summary, kept) = filament::count_keeping(planned, job, progress, middle)?;
+            self.draw(kept)?;
+            return Ok(Summary { bytes: 0, ..summary });
+        };
         make_folder_of(output).map_err(|e| OutputError::new(output, e))?;
         let mut out = OutputFile::create(output)?;
-        let middle = request.picture.is_some().then_some(planned.layers.len() / 2);
         let (summary, kept) =
             filament::write_keeping(planned, job, &mut out, progress, middle).map_err(|e| e.at(output))?;
         self.draw(kept)?;

@@ -58,7 +58,8 @@ pub struct Outcome {
 }
 
 /// A request that could not be done.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
+#[error("{message}")]
 pub struct Failure {
     /// What it is about.
     pub kind: FailureKind,
@@ -81,7 +82,7 @@ impl From<&JobError> for Failure {
     fn from(error: &JobError) -> Self {
         let (transient, disk_full) = match error {
             #[cfg(feature = "gpu")]
-            JobError::Device(_) => (true, false),
+            JobError::Device(e) => (e.may_pass(), false),
             JobError::Output(e) => (may_pass(e.source.kind()), is_full(e.source.kind())),
             JobError::Mesh(MeshError::Read { source, .. }) => (may_pass(source.kind()), false),
             JobError::Settings(e) => (settings_may_pass(e), false),

@@ -50,7 +50,7 @@ pub struct Request {
     pub rotate: f64,
     /// Look for islands, cups and trapped resin; resin only.
     pub check: bool,
-    /// Only say what would be printed; nothing is written.
+    /// Only say what would be printed: no output is written, a picture only if one is asked for.
     pub estimate: bool,
     /// A small picture of the middle layer goes here, as PNG.
     pub picture: Option<PathBuf>,

@@ -55,6 +55,11 @@ impl GpuSpans {
         self
     }
 
+    /// Bytes of device memory that it holds between runs.
+    pub fn held(&self) -> u64 {
+        self.flights.iter().map(Flight::held).sum()
+    }
+
     /// Times every kernel from now on, where the device has a clock.
     #[must_use]
     pub fn with_timing(mut self) -> Self {

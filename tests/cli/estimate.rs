@@ -1,7 +1,8 @@
 //! `--estimate-only` says what a print says, and writes nothing.
 
 use super::{Bench, stderr, stdout};
-use microtome::mesh::{Mesh, demo_part, shapes};
+use microtome::mesh::demo_part::demo_part;
+use microtome::mesh::{Mesh, shapes};
 use serde_json::Value;
 use std::process::Output;
 
@@ -52,7 +53,7 @@ const PRINTS: [&[&str]; 9] = [
 #[test]
 fn filament_is_that_of_the_print() {
     let bench = Bench::new();
-    bench.stl("demo.stl", &demo_part::demo_part());
+    bench.stl("demo.stl", &demo_part());
     bench.stl("table.stl", &table());
     bench.stl("ball.stl", &shapes::sphere(6.0, 36, 24));
     let mut seen = Vec::new();
@@ -95,7 +96,7 @@ const PANEL: [&str; 8] = [
 #[test]
 fn resin_is_that_of_the_masks() {
     let bench = Bench::new();
-    bench.stl("demo.stl", &demo_part::demo_part());
+    bench.stl("demo.stl", &demo_part());
     let mut holed = shapes::sphere(6.0, 36, 24);
     holed.triangles.remove(700);
     bench.stl("holed.stl", &holed);

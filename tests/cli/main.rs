@@ -8,6 +8,7 @@ mod batch_report;
 mod batch_run;
 mod golden;
 mod contours;
+mod copies;
 mod estimate;
 mod below;
 mod faults;

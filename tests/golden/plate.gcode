@@ -454,6 +454,7 @@ M84     ; disable motors
 ; disable_fan_first_layers = 3
 ; dont_support_bridges = 1
 ; draft_shield = disabled
+; duplicate_distance = 6
 ; elefant_foot_compensation = 0
 ; end_gcode = M104 S0 ; turn off temperature\nG28 X0  ; home X axis\nM84     ; disable motors\n
 ; ensure_vertical_shell_thickness = disabled

@@ -24,7 +24,7 @@ const KINDS: [FaultKind; 4] =
 
 fn wish(bench: &Bench, backend: Backend, fault: Option<Fault>, memory: u64) -> BackendOptions {
     let adapter = Some(bench.adapter.info.name.clone());
-    BackendOptions { backend, adapter, memory: Some(memory), fault }
+    BackendOptions { fault, ..BackendOptions::new(backend, adapter, Some(memory)) }
 }
 
 /// Whether an error is the one that was played.

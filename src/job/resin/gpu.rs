@@ -2,13 +2,15 @@
 
 use super::layers::{Done, Wanted};
 use super::make::{Made, Maker};
+use super::plate::Plate;
 use super::stream::Sender;
-use crate::gpu::{self, Device, GpuError};
+use crate::gpu::GpuError;
 use crate::job::JobError;
 use crate::job::backend::Backend;
 use crate::job::summary::BackendSummary;
+use crate::job::warm::{self, Lease, Taken};
 use crate::slice::chunk;
-use crate::slice::gpu::{GpuSlicer, repays_startup};
+use crate::slice::gpu::GpuMesh;
 use crate::span::gpu::GpuSpans;
 use crate::span::{RowWindow, Rows, WindowError};
 use rayon::prelude::*;
@@ -31,12 +33,13 @@ impl From<GpuError> for Stop {
     }
 }
 
-/// How far a device has come.
-#[derive(Default)]
-struct Progress {
-    adapter: Option<String>,
-    /// Planes whose layers have been sent.
-    sent: usize,
+impl Stop {
+    fn device(&self) -> Option<&GpuError> {
+        match self {
+            Self::Device(error) => Some(error),
+            _ => None,
+        }
+    }
 }
 
 impl Wanted<'_> {
@@ -46,34 +49,28 @@ impl Wanted<'_> {
         let mesh = &self.plate.mesh;
         let per_plane = chunk::segments_per_plane(mesh, self.planes);
         let wish = self.backend;
-        let named = wish.adapter.is_some();
-        if wish.backend == Backend::Auto
-            && !named
-            && !repays_startup(mesh.triangles.len() as u64, per_plane.iter().sum())
-        {
-            return self.on_cpu(0, sender, "the work does not repay a GPU's start-up");
-        }
-        let mut progress = Progress::default();
-        let reason = if named { "named with --adapter" } else { "the best hardware GPU" };
-        let failure = match self.on_gpu(&per_plane, &mut progress, sender) {
+        let lease = match warm::take(wish, mesh.triangles.len() as u64, per_plane.iter().sum())? {
+            Taken::Device(lease) => lease,
+            Taken::Cpu { reason, warning } => return Ok(Done { warning, ..self.on_cpu(0, sender, reason)? }),
+        };
+        let adapter = Some(lease.name());
+        let mut sent = 0;
+        let reason = if wish.adapter.is_some() { "named with --adapter" } else { "the best hardware GPU" };
+        let failure = match self.on_gpu(lease, &per_plane, &mut sent, sender) {
             Ok(()) | Err(Stop::Gone) => {
-                let backend =
-                    BackendSummary { kind: "gpu", adapter: progress.adapter, ..super::layers::cpu(reason) };
+                let backend = BackendSummary { kind: "gpu", adapter, ..super::layers::cpu(reason) };
                 return Ok(Done { backend, warning: None, contours: Vec::new() });
             }
             Err(Stop::Device(failure)) => {
-                if wish.backend == Backend::Gpu || matches!(failure, GpuError::NoSuchAdapter { .. }) {
+                if wish.backend == Backend::Gpu {
                     return Err(failure.into());
-                }
-                if matches!(failure, GpuError::NoHardware { .. }) {
-                    return self.on_cpu(0, sender, "no hardware GPU was found");
                 }
                 failure.to_string()
             }
             Err(Stop::Window(failure)) => failure.to_string(),
             Err(Stop::Open) => "a plane has open contours".to_owned(),
         };
-        let warning = match progress.sent {
+        let warning = match sent {
             0 => format!("{failure}; the CPU took over, with the same result"),
             sent => format!(
                 "{failure}; the CPU took over from layer {} of {}, with the same result",
@@ -81,12 +78,12 @@ impl Wanted<'_> {
                 self.planes.len()
             ),
         };
-        let done = self.on_cpu(progress.sent, sender, "the GPU failed")?;
-        let backend = match progress.sent {
+        let done = self.on_cpu(sent, sender, "the GPU failed")?;
+        let backend = match sent {
             0 => done.backend,
             _ => BackendSummary {
                 kind: "gpu",
-                adapter: progress.adapter,
+                adapter,
                 ..super::layers::cpu("the GPU failed on the way; the CPU did the rest")
             },
         };
@@ -95,23 +92,15 @@ impl Wanted<'_> {
 
     fn on_gpu(
         &self,
+        lease: Lease,
         per_plane: &[u64],
-        progress: &mut Progress,
+        sent: &mut usize,
         sender: &Sender<Arc<Made>>,
     ) -> Result<(), Stop> {
-        let window = self.window().map_err(Stop::Window)?;
-        let wish = self.backend;
-        let selection = wish.adapter.clone().map_or(gpu::Selection::Auto, gpu::Selection::Named);
-        let options = gpu::Options { fault: wish.fault, ..gpu::Options::default() };
-        let device = Arc::new(Device::with_options(&gpu::choose(&selection)?, options)?);
-        let info = device.info();
-        progress.adapter = Some(format!("{} ({} {})", info.name, info.driver, info.driver_info));
-        let budget = wish.memory.unwrap_or_else(|| self.trace.memory_budget.min(device.default_budget()));
-        let mut slicer = GpuSlicer::new(Arc::clone(&device))?.with_budget(budget);
-        let mut spans = GpuSpans::new(device)?.with_budget(budget);
-        let mut work = || {
-            let resident = slicer.upload(&self.plate.mesh, &self.plate.adjacency)?;
-            spans.scan(&resident, self.planes, per_plane, &window, |run, rows| {
+        let window = self.window().map_err(Stop::Window);
+        let Plate { mesh, adjacency, .. } = self.plate;
+        let work = |spans: &mut GpuSpans, resident: &GpuMesh| {
+            spans.scan(resident, self.planes, per_plane, &window?, |run, rows| {
                 let rows: Vec<Rows> = rows.into_iter().collect::<Option<_>>().ok_or(Stop::Open)?;
                 let block = rows.len().div_ceil(rayon::current_num_threads()).max(1);
                 let made: Vec<Vec<Arc<Made>>> = rows
@@ -122,16 +111,11 @@ impl Wanted<'_> {
                 if !sender.send(made.into_iter().flatten().collect()) {
                     return Err(Stop::Gone);
                 }
-                progress.sent = run.end;
+                *sent = run.end;
                 Ok(())
             })
         };
-        let result = work();
-        if matches!(result, Err(Stop::Device(GpuError::Timeout { .. }))) {
-            // To free a hung device would be to wait for it.
-            std::mem::forget((slicer, spans));
-        }
-        result
+        lease.scan(mesh, adjacency, self.trace.memory_budget, work, Stop::device)
     }
 
     /// The rows of the raster that the part reaches.

@@ -189,7 +189,7 @@ fn make(
     if let (Some(check), Some(settings), Some(folder)) = (&check, &job.check, pictures) {
         on_pool(|| pictures::draw(check, settings, &wanted, folder))?;
     }
-    if let Some(path) = job.picture.as_ref().filter(|_| output.is_some()) {
+    if let Some(path) = &job.picture {
         on_pool(|| pictures::draw_middle(&wanted, path))?;
     }
     let report = job.check_report.as_ref().filter(|_| output.is_some());
@@ -231,7 +231,7 @@ fn make(
 
 /// What [`run`] would say of a print in `format`, without writing anything: same layers, same volume, same bound
 /// of the time. `bytes` is 0. Masks are measured but not compressed. Files for the checks' findings are not
-/// written either.
+/// written either, only a picture that was asked for.
 ///
 /// # Errors
 /// As [`run`], but for what only shows when a file is written: [`JobError::Unfit`], [`JobError::Output`].

@@ -58,6 +58,12 @@ impl Flight {
         })
     }
 
+    /// Bytes of device memory.
+    pub(super) fn held(&self) -> u64 {
+        let numbers = [&self.first, &self.count, &self.offset, &self.next].map(Buffer::held);
+        self.planes.held() + self.start.held() + numbers.iter().sum::<u64>()
+    }
+
     /// Counts, waits for the exact total, and sends the kernels that emit on their way.
     pub(super) fn begin(
         &mut self,

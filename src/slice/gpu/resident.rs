@@ -91,6 +91,11 @@ impl ResidentSegments {
         flight.next.replace(device, &segments.next)
     }
 
+    /// Bytes of device memory that they hold.
+    pub fn held(&self) -> u64 {
+        self.0.held()
+    }
+
     /// Per triangle the first plane that it meets.
     pub const fn first(&self) -> &Buffer<u32> {
         &self.0.first

@@ -25,7 +25,13 @@ fn each_line_is_answered_and_quit_last() {
          {\"id\": 3, \"cancel\": 9}\n{\"id\": 4, \"quit\": null}\n{\"id\": 5, \"ping\": null}\n",
     );
     assert!(matches!(found[0].news, News::Ready { .. }) && found[0].id.is_null());
-    let of = |id: &str| found.iter().filter(|a| a.id.to_string() == id).map(|a| &a.news).collect::<Vec<_>>();
+    let of = |id: &str| {
+        found
+            .iter()
+            .filter(|a| a.id == serde_json::from_str::<Value>(id).unwrap())
+            .map(|a| &a.news)
+            .collect::<Vec<_>>()
+    };
     assert!(matches!(of("1")[..], [News::Ok(())]));
     assert!(matches!(of("[2]")[..], [News::Failed(f)] if f.message.contains("no.stl: no such file")));
     assert!(matches!(of("3")[..], [News::Refused(why)] if why.contains("no request with the id 9")));

@@ -81,6 +81,20 @@ struct Sent {
 }
 
 impl Flight {
+    /// Bytes of device memory.
+    pub(super) fn held(&self) -> u64 {
+        let numbers = [
+            &self.count,
+            &self.bucket,
+            &self.offset,
+            &self.steps,
+            &self.row_count,
+            &self.row_offset,
+            &self.keys,
+        ];
+        self.segments.held() + self.spans.held() + numbers.map(Buffer::held).iter().sum::<u64>()
+    }
+
     pub(super) fn new(device: &Device) -> Result<Self, GpuError> {
         let array = |what| Buffer::zeroed(device, what, 0);
         Ok(Self {
