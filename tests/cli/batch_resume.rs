@@ -73,8 +73,11 @@ fn lines(folder: &Path, kind: &str) -> BTreeMap<String, usize> {
     found
 }
 
+/// Name, status, length and checksum.
+type Told = (String, Status, Option<(u64, u32)>);
+
 /// Name and status of all jobs, and what the outputs are said to be.
-fn results(folder: &Path) -> Vec<(String, Status, Option<(u64, u32)>)> {
+fn results(folder: &Path) -> Vec<Told> {
     let of = |row: Row| (row.name, row.status, row.outcome.map(|o| (o.bytes, o.crc32)));
     journal::read(folder).unwrap().into_iter().map(of).collect()
 }

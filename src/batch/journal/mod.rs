@@ -275,8 +275,7 @@ pub fn read(folder: &Path) -> Result<Vec<Row>, BatchError> {
         return Err(missing(io::ErrorKind::NotFound.into()));
     }
     let read = |path: PathBuf| read_log(&path).map(|log| (path, log));
-    let past = read::join(found.into_iter().map(read).collect::<Result<Vec<_>, _>>()?);
-    Ok(past.names().filter_map(|name| past.row(name)).collect())
+    read::join(found.into_iter().map(read).collect::<Result<Vec<_>, _>>()?).all()
 }
 
 /// A shard's journal in short.

@@ -3,11 +3,12 @@
 use super::content::content_crc32;
 use super::read::Place;
 use super::record::Ended;
+use crate::batch::BatchError;
 use crate::batch::event::{Row, Status};
 use crate::batch::key::Key;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// What earlier runs, of this or other shards, have left: an index of journals, from which rows are read when
@@ -40,6 +41,33 @@ impl Past {
         (ended.name == name).then_some(ended)
     }
 
+    /// All rows, by name; journals are read from front to back.
+    pub(super) fn all(&self) -> Result<Vec<Row>, BatchError> {
+        let mut order: Vec<_> = self.rows.iter().collect();
+        order.sort_unstable_by_key(|(_, place)| (place.journal, place.offset));
+        let mut found = BTreeMap::new();
+        for part in order.chunk_by(|a, b| a.1.journal == b.1.journal) {
+            let journal = part.first().and_then(|(_, place)| self.journals.get(place.journal as usize));
+            let Some(path) = journal else { continue };
+            let unreadable = |source| BatchError::Input { path: path.clone(), source };
+            let mut file = BufReader::with_capacity(1 << 17, File::open(path).map_err(unreadable)?);
+            let (mut at, mut line) = (0, Vec::new());
+            for (name, place) in part {
+                file.seek_relative((place.offset - at).cast_signed()).map_err(unreadable)?;
+                line.resize(place.length as usize, 0);
+                file.read_exact(&mut line).map_err(unreadable)?;
+                at = place.offset + u64::from(place.length);
+                let Ended { ended } = serde_json::from_slice(&line).map_err(|e| BatchError::Journal {
+                    path: path.clone(),
+                    line: line_at(path, place.offset),
+                    problem: e.to_string(),
+                })?;
+                found.insert(name.as_str(), ended);
+            }
+        }
+        Ok(found.into_values().collect())
+    }
+
     /// The row that still holds for a job: same name, same key, and, where it was done, the output as it was
     /// written (its size; its checksum too where it may not have reached the disk). Of a folder of layers that
     /// was followed by a checkpoint, that it is there.
@@ -59,4 +87,10 @@ impl Past {
         }
         !self.unsynced.contains(&row.name) || content_crc32(&path).is_ok_and(|crc| crc == outcome.crc32)
     }
+}
+
+/// The number of the line that begins at so many bytes, from 1; 0 where that cannot be told.
+fn line_at(path: &Path, offset: u64) -> u64 {
+    let before = File::open(path).map(|file| BufReader::new(file.take(offset)).split(b'\n').count());
+    before.map_or(0, |lines| lines as u64 + 1)
 }

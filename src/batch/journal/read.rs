@@ -84,9 +84,7 @@ impl Log {
                 }
                 (Err(Wrong::Damaged(problem)), None) => damage = Some((number, problem)),
                 // What came before a checkpoint had reached the disk, so it was not a torn write.
-                (Ok(Line::Record(record)), Some((line, problem)))
-                    if matches!(record, Record::Checkpoint {}) =>
-                {
+                (Ok(Line::Record(Record::Checkpoint {})), Some((line, problem))) => {
                     return Err(at(*line, problem.clone()));
                 }
                 (_, Some(_)) => {}

@@ -200,6 +200,11 @@ fn damage_before_a_checkpoint_is_an_error_with_its_line() {
     fs::write(&path, "{\"checkpoint\":{}}\n").unwrap();
     assert!(Journal::open(dir.path(), ONE, true, false).is_err());
     assert_eq!(fs::read(&path).unwrap(), b"{\"checkpoint\":{}}\n", "what is refused is left alone");
+    // A row of which only what tells which is sound is no job that stands, and missed in no report.
+    let odd = lines[2].replace("\"copies\":1", "\"copies\":-1");
+    fs::write(&path, text.replace(lines[2], &odd)).unwrap();
+    assert!(open(dir.path()).1.standing("a", &key("1"), dir.path()).is_none());
+    assert!(matches!(read(dir.path()), Err(BatchError::Journal { line: 3, .. })));
     // --restart puts anything aside.
     assert!(Journal::open(dir.path(), ONE, false, true).is_ok());
 }
