@@ -7,7 +7,8 @@ A folder of models, some of them broken, is sliced once undisturbed. Then the sa
 again and again, the supervisor and single workers, and taken up with --resume until it is done. At every
 death each visible output must be whole, and at the end all must be there with the same bytes and none be done
 twice. After that the same with outputs harmed behind its back, on a disk that is full (a small tmpfs, where
-we may mount one), and with whatever FLAGS ask for, such as --backend auto --adapter llvmpipe.
+we may mount one). FLAGS are for all batches but the first, such as, where the program was built with GPU
+support, --backend auto --adapter llvmpipe --fault lost@5x3, with which devices are lost on the way.
 
 Only Python's standard library is needed. Exit code 0 when everything held, 1 when something did not.
 """
@@ -352,8 +353,9 @@ def main():
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--seed", type=int, default=random.SystemRandom().randrange(1 << 30))
     parser.add_argument("--keep", type=Path, help="work in this folder and leave it")
-    parser.add_argument("flags", nargs="*", help="more flags of batch, after --")
-    args = parser.parse_args()
+    # What follows -- is for batch.
+    cut = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
+    args, flags = parser.parse_args(sys.argv[1:cut]), sys.argv[cut + 1 :]
     dice = random.Random(args.seed)
     print(f"seed {args.seed}", flush=True)
     work = Path(tempfile.mkdtemp(prefix="batch_kill-")) if args.keep is None else args.keep
@@ -363,9 +365,14 @@ def main():
         broken = make_models(models, args.models, dice)
         # The reference is made without FLAGS: a device that fails must not change a byte.
         plain = Batch(args.program.resolve(), models, [])
-        batch = Batch(args.program.resolve(), models, args.flags)
+        batch = Batch(args.program.resolve(), models, flags)
         seconds = undisturbed(plain, reference, broken)
         print(f"{args.models + 1} models, {broken} of them broken: {seconds:.1f} s undisturbed", flush=True)
+        if flags:
+            seconds = undisturbed(batch, work / "flags", broken)
+            verify(work / "flags", reference, 1)
+            warned = sum("the CPU took over" in str(record) for record in records(work / "flags"))
+            print(f"with {' '.join(flags)}: {seconds:.1f} s, all equal; {warned} jobs lost their device")
         killed(batch, work, reference, seconds, args.kills, dice)
         harmed(batch, work, reference)
         full(batch, work, reference)
