@@ -71,6 +71,11 @@ pub enum Event<'a> {
         /// Why.
         reason: &'a str,
     },
+    /// Something that the whole batch should know.
+    Warning {
+        /// What, in one line.
+        message: &'a str,
+    },
     /// The batch has ended.
     Ended(&'a Totals),
 }

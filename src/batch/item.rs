@@ -27,6 +27,8 @@ pub struct Item {
     pub place: Option<(PathBuf, u64)>,
     /// What is wrong with it already: the job fails without a try.
     pub refused: Option<Failure>,
+    /// SHA-256 of the model as the manifest has it, so that it need not be read to know its shard.
+    pub sha256: Option<String>,
 }
 
 /// What a batch is made from.
@@ -148,6 +150,7 @@ impl Maker<'_> {
         let mut request = base.clone();
         let place = Some((manifest.to_owned(), line.line));
         let own_printer = line.printer;
+        let sha256 = line.sha256;
         request.copies = line.copies.unwrap_or(base.copies);
         request.orient = line.orient.unwrap_or(request.orient);
         request.match_tolerance = line.match_tolerance.or(base.match_tolerance);
@@ -183,11 +186,11 @@ impl Maker<'_> {
         let format = line.format.as_deref().or(self.input.extension.filter(fits));
         if let Some(output) = line.output {
             let (name, refused) = self.named(output, &request, line.format.as_deref(), format)?;
-            return Ok((item(request, place, refused), Wish::Own(name)));
+            return Ok((Item { sha256, ..item(request, place, refused) }, Wish::Own(name)));
         }
         let (extension, refused) = self.extension_or_refusal(&request, format);
         let wish = Wish::Model { stem: stem(&request), extension };
-        Ok((item(request, place, refused), wish))
+        Ok((Item { sha256, ..item(request, place, refused) }, wish))
     }
 
     /// An output's name as given, with an extension where it had none.
@@ -257,7 +260,7 @@ fn item(mut request: Request, place: Option<(PathBuf, u64)>, refused: Option<Fai
         refused = Some(Failure::new(FailureKind::Model, message));
         request.model = path.to_string_lossy().into_owned().into();
     }
-    Item { request, name: String::new(), size, place, refused }
+    Item { request, name: String::new(), size, place, refused, sha256: None }
 }
 
 /// Leaves settings of the other technology out: the command line may have some for each.

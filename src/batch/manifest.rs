@@ -47,6 +47,8 @@ pub struct Line {
     pub rotate: Option<f64>,
     /// Look for islands, cups and trapped resin.
     pub check: Option<bool>,
+    /// SHA-256 of the model, so that other shards need not read it.
+    pub sha256: Option<String>,
 }
 
 /// A row of a table is never longer \[bytes\].
@@ -63,7 +65,7 @@ enum Cell<'a> {
 type Put = fn(&mut Line, Cell<'_>, &Path) -> Result<(), String>;
 
 /// All columns.
-const COLUMNS: [(&str, Put); 16] = [
+const COLUMNS: [(&str, Put); 17] = [
     ("model", |l, c, at| c.text().map(|t| l.model = at.join(t))),
     ("profile", |l, c, at| c.files(at).map(|v| l.profile = v)),
     ("settings", |l, c, _| c.settings().map(|v| l.settings = v)),
@@ -85,6 +87,7 @@ const COLUMNS: [(&str, Put); 16] = [
     ("support_blockers", |l, c, at| c.files(at).map(|v| l.support_blockers = Some(v))),
     ("rotate", |l, c, _| c.number("degrees", -3600.0, 3600.0).map(|v| l.rotate = Some(v))),
     ("check", |l, c, _| c.flag().map(|v| l.check = Some(v))),
+    ("sha256", |l, c, _| c.sha256().map(|v| l.sha256 = Some(v))),
 ];
 
 /// Takes a line, or says what is wrong with it.
@@ -301,6 +304,14 @@ impl Cell<'_> {
         if known { Ok(text) } else { Err(wrong()) }
     }
 
+    /// Sixty-four hexadecimal digits, as `sha256sum` prints them.
+    fn sha256(self) -> Result<String, String> {
+        let text = self.text()?.to_ascii_lowercase();
+        let known = text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit());
+        let wrong = || format!("\"{}\" is no SHA-256: 64 hexadecimal digits", text.escape_debug());
+        if known { Ok(text) } else { Err(wrong()) }
+    }
+
     /// One file, or several: an array in JSON, behind semicolons in CSV.
     fn files(self, folder: &Path) -> Result<Vec<PathBuf>, String> {
         match self {
@@ -422,6 +433,7 @@ a.stl,fine.ini,layer_height=0.2; fill_density = 15% ;cooling=1,x/a.gcode,3,,,,,,
             ("{\"model\": \"a\", \"orient\": \"up\"}", "orient: \"up\" is none of"),
             ("{\"model\": \"a\", \"rotate\": \"north\"}", "rotate: \"north\" is not a number from"),
             ("{\"model\": \"a\", \"check\": \"yes\"}", "check: \"yes\" is neither true"),
+            ("{\"model\": \"a\", \"sha256\": \"12ab\"}", "sha256: \"12ab\" is no SHA-256"),
         ] {
             let error = lines("j.jsonl", text).unwrap_err();
             assert!(error.contains(message) && error.lines().count() == 1, "{text}\n{error}");

@@ -54,6 +54,9 @@ pub fn run(
 ) -> Result<Totals, BatchError> {
     let begun = Instant::now();
     let (journal, past) = Journal::open(&options.folder, options.shard, options.resume, options.restart)?;
+    if let Some(message) = journal.warning() {
+        observer.event(&Event::Warning { message });
+    }
     let (rows, mut totals) = thread::scope(|scope| {
         let (sender, messages) = channel();
         let (permits, taken) = channel();

@@ -118,6 +118,7 @@ impl Tally {
                     *doing = None;
                 }
             }
+            Event::Warning { .. } => {}
             Event::Ended(totals) => self.end(totals),
         }
     }

@@ -8,6 +8,7 @@ use crate::batch::event::Row;
 use crate::batch::journal::Past;
 use crate::batch::key::{Content, Key, Keys};
 use crate::batch::options::BatchOptions;
+use crate::job::FailureKind;
 use crate::slicer::{Failure, Request};
 use sha2::{Digest, Sha256};
 use std::cmp::Reverse;
@@ -88,6 +89,10 @@ pub(super) fn read_ahead(
 }
 
 fn known(item: &Item, keys: &Keys, options: &BatchOptions, past: &Past) -> Known {
+    let stated = item.sha256.as_deref();
+    if stated.is_some_and(|stated| !options.shard.holds(stated)) {
+        return Known::Elsewhere;
+    }
     let request = request(item, options);
     let found = match &item.refused {
         Some(failure) => Err(failure.clone()),
@@ -96,9 +101,19 @@ fn known(item: &Item, keys: &Keys, options: &BatchOptions, past: &Past) -> Known
     let (content, key) = match found {
         Ok(found) => found,
         // What cannot be read has no hash; its name assigns it.
-        Err(_) if !options.shard.holds(&hash(&item.name)) => return Known::Elsewhere,
+        Err(_) if stated.is_none() && !options.shard.holds(&hash(&item.name)) => return Known::Elsewhere,
         Err(failure) => return Known::Refused(failure),
     };
+    if let Some(stated) = stated.filter(|stated| *stated != content.sha256) {
+        return Known::Refused(Failure::new(
+            FailureKind::Model,
+            format!(
+                "{}: its SHA-256 is {}, the manifest says {stated}; copy the model again or mend the manifest",
+                request.model.display(),
+                content.sha256
+            ),
+        ));
+    }
     if !options.shard.holds(&content.sha256) {
         return Known::Elsewhere;
     }
@@ -145,7 +160,6 @@ fn is_text(model: &Path, size: u64) -> bool {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::job::FailureKind;
 
     #[test]
     fn large_models_come_first_and_equals_in_order() {
@@ -155,6 +169,7 @@ mod tests {
             size,
             place: None,
             refused: None,
+            sha256: None,
         };
         assert_eq!(order(&[5, 9, 5, 0, 9].map(item)), [1, 4, 0, 2, 3]);
     }

@@ -24,6 +24,7 @@ impl Observer for Witness {
             Event::Done { name, .. } => format!("{name} done"),
             Event::Started { name, attempt, .. } => format!("{name} started {attempt}"),
             Event::WorkerLost { .. } => "lost".to_owned(),
+            Event::Warning { .. } => "warning".to_owned(),
             Event::Skipped { name, failed, .. } => format!("{name} skipped {failed}"),
             Event::Elsewhere { .. } => "elsewhere".to_owned(),
             Event::Begun { .. } => "begun".to_owned(),
@@ -61,6 +62,7 @@ impl Batch {
                 name: format!("{name}.gcode"),
                 place: None,
                 refused: None,
+                sha256: None,
             }
         };
         let items = names.iter().map(item).collect();

@@ -22,6 +22,7 @@ pub(super) fn event(event: &Event<'_>, quiet: bool) -> Option<String> {
         Event::WorkerLost { worker, reason } if !quiet => {
             Some(format!("worker {} replaced: {}", worker + 1, plain(reason)))
         }
+        Event::Warning { message } if !quiet => Some(format!("warning: {}", plain(message))),
         _ => None,
     }
 }
