@@ -182,12 +182,16 @@ mod tests {
     fn runs_pass_over_nothing_that_is_met() {
         let mut random = Random(7);
         let mut found = [0; 2];
-        for _ in 0..4000 {
+        for case in 0..4000 {
             let mut point = |reach: i32| {
                 let mut along = || random.range(-reach, reach);
                 Point2::new(along(), along())
             };
-            let ring: Vec<Point2> = (0..3 + found[0] % 60).map(|_| point(3_000_000)).collect();
+            let centre = point(3_000_000);
+            let ring: Vec<Point2> = (0..3 + case % 60)
+                .map(|_| point(900_000))
+                .map(|p| Point2::new(p.x + centre.x, p.y + centre.y))
+                .collect();
             let source: Vec<Point2> = (0..3).map(|_| point(3_000_000)).collect();
             let shadow = Shadow::new(&source, 0, 400_000.0);
             // The whole ring as one run without a box.
