@@ -8,7 +8,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Extensions of models, as [`crate::mesh::load`] reads them.
+/// Extensions of models, as [`crate::mesh::load()`] reads them.
 pub const MODELS: [&str; 1] = ["stl"];
 /// Extensions of manifests.
 const MANIFESTS: [&str; 3] = ["jsonl", "ndjson", "csv"];

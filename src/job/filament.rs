@@ -244,14 +244,14 @@ fn plan_loaded(
     Ok(Planned { layers, origin, supports: record, summary, watch })
 }
 
-/// What [`plan`] and [`write`] would say, without writing anything: same filament, same layers, same bound of
+/// What [`plan`] and [`write()`] would say, without writing anything: same filament, same layers, same bound of
 /// the time. `bytes` is 0.
 ///
 /// Everything that decides the filament is done as for a print, because each line's length counts; only the
 /// text is not formed.
 ///
 /// # Errors
-/// As [`plan`], and for a wrong template as [`write`].
+/// As [`plan`], and for a wrong template as [`write()`].
 pub fn estimate(path: &Path, job: &FilamentJob<'_>, progress: &dyn Progress) -> Result<Summary, JobError> {
     count(plan(path, job, progress)?, job, progress)
 }
@@ -292,10 +292,10 @@ pub fn write(
     Ok(write_keeping(planned, job, out, progress, None)?.0)
 }
 
-/// [`write`]; also gives the extrusions of one layer, counted from 0, for a picture.
+/// [`write()`]; also gives the extrusions of one layer, counted from 0, for a picture.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_keeping(
     planned: Planned,
     job: &FilamentJob<'_>,

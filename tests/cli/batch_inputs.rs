@@ -312,7 +312,7 @@ fn folders_of_pictures_are_outputs_too() {
 fn a_stated_hash_assigns_a_shard_without_reading() {
     let bench = bench();
     let zeros = "0".repeat(64);
-    bench.write("m.jsonl", &format!("{{\"model\": \"in/b.stl\", \"sha256\": \"{zeros}\"}}\n"));
+    bench.write("m.jsonl", format!("{{\"model\": \"in/b.stl\", \"sha256\": \"{zeros}\"}}\n"));
     // It falls to the first shard of two; the second one has nothing to do.
     let second = batch(&bench, &["m.jsonl", "--shard", "2/2"]);
     assert_eq!(second.status.code(), Some(0), "{}", stderr(&second));
@@ -322,8 +322,7 @@ fn a_stated_hash_assigns_a_shard_without_reading() {
     assert!(stderr(&first).contains(&format!("the manifest says {zeros}")));
     // The true one does it.
     let hash = microtome::batch::key::sha256(&std::fs::read(bench.path("in/b.stl")).unwrap());
-    bench
-        .write("n.jsonl", &format!("{{\"model\": \"in/b.stl\", \"sha256\": \"{}\"}}\n", hash.to_uppercase()));
+    bench.write("n.jsonl", format!("{{\"model\": \"in/b.stl\", \"sha256\": \"{}\"}}\n", hash.to_uppercase()));
     let right = bench.run(["batch", "-o", "right", "n.jsonl"]);
     assert_eq!(right.status.code(), Some(0), "{}", stderr(&right));
 }

@@ -42,7 +42,8 @@ pub(super) fn link(folder: &Path, file: &Path) -> Option<String> {
         return None;
     }
     while from.peek().is_some() && from.peek() == to.peek() {
-        (from.next(), to.next());
+        from.next();
+        to.next();
     }
     // Without `./` a name with a colon would be taken for a scheme.
     let mut url = String::from("./");

@@ -54,7 +54,7 @@ pub fn page(folder: &Path, shard: Shard) -> PathBuf {
     folder.join(format!("report{}.html", suffix(shard)))
 }
 
-/// The manifest of what failed, as [`write`] writes it.
+/// The manifest of what failed, as [`write()`] writes it.
 pub fn quarantine(folder: &Path, shard: Shard) -> PathBuf {
     folder.join(format!("quarantine{}.jsonl", suffix(shard)))
 }

@@ -123,7 +123,7 @@ fn tags(page: &str) -> Result<BTreeMap<String, usize>, String> {
             continue;
         }
         let name = tag.split([' ', '\n']).next().unwrap_or_default();
-        if tag.matches('"').count() % 2 != 0 {
+        if !tag.matches('"').count().is_multiple_of(2) {
             return Err(format!("quotes of {tag}"));
         }
         *count.entry(name.to_owned()).or_default() += 1;
