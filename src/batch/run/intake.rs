@@ -6,11 +6,10 @@
 use crate::batch::Item;
 use crate::batch::event::Row;
 use crate::batch::journal::Past;
-use crate::batch::key::{Content, Key, Keys};
+use crate::batch::key::{Content, Key, Keys, sha256};
 use crate::batch::options::BatchOptions;
 use crate::job::FailureKind;
 use crate::slicer::{Failure, Request};
-use sha2::{Digest, Sha256};
 use std::cmp::Reverse;
 use std::fs::File;
 use std::io::Read;
@@ -101,7 +100,9 @@ fn known(item: &Item, keys: &Keys, options: &BatchOptions, past: &Past) -> Known
     let (content, key) = match found {
         Ok(found) => found,
         // What cannot be read has no hash; its name assigns it.
-        Err(_) if stated.is_none() && !options.shard.holds(&hash(&item.name)) => return Known::Elsewhere,
+        Err(_) if stated.is_none() && !options.shard.holds(&sha256(item.name.as_bytes())) => {
+            return Known::Elsewhere;
+        }
         Err(failure) => return Known::Refused(failure),
     };
     if let Some(stated) = stated.filter(|stated| *stated != content.sha256) {
@@ -142,10 +143,6 @@ fn patiently<T>(retries: u32, mut what: impl FnMut() -> Result<T, Failure>) -> R
         }
         thread::sleep(Duration::from_millis(PAUSE_MS));
     }
-}
-
-fn hash(name: &str) -> String {
-    Sha256::digest(name.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Whether a file of STL is not binary: its length is not what its number of facets asks for.
